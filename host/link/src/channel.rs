@@ -7,6 +7,7 @@
 //! once. An unanswered keep-alive is replaced by a new one, because a repeated one does not reset the
 //! dead-man.
 
+use crate::snapshot::LinkCounters;
 use crate::trace::{FRAMES, TracedFrame, TracedMessage};
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
@@ -69,15 +70,6 @@ pub(crate) enum Reply {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RetriesExhausted;
 
-/// Counters of a channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct ChannelCounters {
-    pub(crate) commands: u32,
-    pub(crate) retries: u32,
-    pub(crate) timeouts: u32,
-    pub(crate) unmatched: u32,
-}
-
 #[derive(Clone, Debug)]
 struct Pending {
     command: Command,
@@ -108,7 +100,7 @@ pub(crate) struct Channel {
     keeps_frames: bool,
     /// The frames since the last call of [`Channel::take_traced`].
     traced: Vec<TracedFrame>,
-    counters: ChannelCounters,
+    counters: LinkCounters,
 }
 
 impl Channel {
@@ -155,7 +147,7 @@ impl Channel {
     }
 
     /// The counters of this channel.
-    pub(crate) const fn counters(&self) -> ChannelCounters {
+    pub(crate) const fn counters(&self) -> LinkCounters {
         self.counters
     }
 

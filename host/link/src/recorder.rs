@@ -350,11 +350,8 @@ impl Recorder {
         }
         let sent = channel.counters();
         let before = (self.view.link.counters, self.view.link.decoder);
-        let counters = &mut self.view.link.counters;
-        counters.commands = sent.commands;
-        counters.retries = sent.retries;
-        counters.timeouts = sent.timeouts;
-        counters.unmatched = sent.unmatched;
+        let LinkCounters { superseded, dropped, .. } = self.view.link.counters;
+        self.view.link.counters = LinkCounters { superseded, dropped, ..sent };
         self.view.link.decoder = channel.decoder();
         self.changed |= before != (self.view.link.counters, self.view.link.decoder);
     }

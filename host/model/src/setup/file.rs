@@ -157,16 +157,13 @@ fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {
 /// The setup as TOML text that [`read`] reads back to the same setup.
 #[must_use]
 pub fn write(setup: &Setup) -> String {
-    let tones = setup
-        .tones
-        .iter()
-        .map(|tone| ToneText {
-            slot: i64::from(tone.slot),
-            position_m: tone.position_m,
-            level: tone.level,
-            phase_turns: tone.phase_turns,
-        })
-        .collect();
+    let tone = |&ToneSetup { slot, position_m, level, phase_turns }: &ToneSetup| ToneText {
+        slot: slot.into(),
+        position_m,
+        level,
+        phase_turns,
+    };
+    let tones = setup.tones.iter().map(tone).collect();
     let text = SetupText {
         slipline_setup: VERSION,
         master_db: setup.master_db,

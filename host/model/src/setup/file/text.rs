@@ -69,14 +69,14 @@ impl Default for FeelingText {
 
 impl From<Feeling> for FeelingText {
     fn from(feeling: Feeling) -> Self {
-        let FrictionCurve { scale_m, residual, exponent } = feeling.friction;
+        let Feeling { threshold, friction, least_friction_change, contact_m } = feeling;
         Self {
-            threshold: feeling.threshold,
-            friction_scale_m: scale_m,
-            friction_residual: residual,
-            friction_exponent: exponent,
-            least_friction_change: feeling.least_friction_change,
-            contact_m: feeling.contact_m,
+            threshold,
+            friction_scale_m: friction.scale_m,
+            friction_residual: friction.residual,
+            friction_exponent: friction.exponent,
+            least_friction_change,
+            contact_m,
         }
     }
 }
