@@ -37,7 +37,6 @@ use crate::listening::capture::Values;
 use crate::mailbox::Mailbox;
 use crate::mailbox::Stop;
 use crate::planning::chord::Candidate;
-use crate::planning::ramp::RampShape;
 use crate::ports::{FlashPages, System};
 use crate::range::in_range;
 use crate::safety::boot::Boot;
@@ -71,7 +70,6 @@ pub struct Controller<'a, F, S> {
     device: Device,
     boot: Boot,
     timing: Timing,
-    shape: RampShape,
     flash: F,
     system: S,
     stored: StoredConfig,
@@ -112,7 +110,6 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             thermal: Thermal::new(boot.heat),
             device,
             boot,
-            shape: RampShape::new(),
             flash,
             system,
             stored: StoredConfig::Empty,

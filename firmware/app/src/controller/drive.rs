@@ -72,13 +72,13 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         if faults.is_empty() { Ok(()) } else { Err(Refusal::Faulted { faults }) }
     }
 
-    /// The planner with this device's tables, shape and times.
+    /// The planner with this device's tables and times.
     pub(super) fn planner<'a, M: RawMutex>(
         &'a self,
         mailbox: &'a Mailbox<M>,
         is_stopped: &'a mut dyn FnMut() -> bool,
     ) -> Planner<'a> {
-        Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped }
+        Planner { slots: mailbox.slots(), timing: &self.timing, is_stopped }
     }
 
     /// Never inlined: its motions would lie on the stack under every other command, and under the level hold.
@@ -114,8 +114,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         self.refuse_unless_drivable(chord.glide, chord.apply, mailbox)?;
-        let planner =
-            Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped };
+        let planner = Planner { slots: mailbox.slots(), timing: &self.timing, is_stopped };
         planner.place_chord(chord, self.active, &mut self.candidate.tones)?;
         refuse_unless_fading(mailbox)?;
         self.candidate.check(self.bounds.ceiling(), is_stopped)?;
@@ -131,8 +130,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         self.refuse_unless_drivable(comb.glide, comb.apply, mailbox)?;
-        let planner =
-            Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped };
+        let planner = Planner { slots: mailbox.slots(), timing: &self.timing, is_stopped };
         planner.place_comb(comb, self.active, &mut self.candidate.tones)?;
         refuse_unless_fading(mailbox)?;
         self.rise(comb.glide, comb.apply, false, is_stopped, mailbox)

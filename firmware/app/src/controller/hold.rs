@@ -184,7 +184,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             return Err(Refusal::Busy(Busy::CommitPending));
         }
         let end = view.motion.end().max(view.next);
-        let places = view.motion.at(end, mailbox.slots(), &self.shape);
+        let places = view.motion.at(end, mailbox.slots());
         let mut tones: Vec<ToneToHold, MAX_TONES> = Vec::new();
         let mut slots = 0;
         for &wire::HoldTone { slot, amplitude } in &asked.tones {

@@ -16,16 +16,13 @@ use crate::planning::chord::ChordTones;
 use crate::planning::headroom;
 use crate::planning::level::master_gain;
 use crate::planning::program::{Program, Target};
-use crate::planning::ramp::RampShape;
 use crate::range::in_range;
 use crate::slots::{Extremes, TableRef, TableSlots};
 
-/// Inputs of the planner: tables, ramp shape, limits of time, and the check for a stop.
+/// Inputs of the planner: tables, limits of time, and the check for a stop.
 pub struct Planner<'a> {
     /// The tables.
     pub slots: &'a TableSlots,
-    /// The ramps' shape.
-    pub shape: &'a RampShape,
     /// The limits of times.
     pub timing: &'a Timing,
     /// Whether a stop has come. Called before each tone and between all other parts of the work, since planning may take as long as a
@@ -185,7 +182,7 @@ impl Planner<'_> {
     fn complete(&mut self, mut program: Program, motion: &Motion) -> Result<Motion, Refusal> {
         let slots = self.slots;
         self.refuse_if_stopped()?;
-        let placements = motion.at(program.at, slots, self.shape);
+        let placements = motion.at(program.at, slots);
         let mut ways = [Extremes::default(); MAX_TONES];
         let mut needed = 0;
         let tones = ways.iter_mut().zip(&placements).zip(&program.targets);
