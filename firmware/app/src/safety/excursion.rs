@@ -36,15 +36,14 @@ use crate::slots::{SlotIndex, TableRef, TableSlots, knots_between};
 pub struct Excursion {
     sample_rate_hz: u32,
     limit: Option<(TravelLimit, Law)>,
-    first: Groups,
-    second: Groups,
+    groups: [Groups; 2],
 }
 
 impl Excursion {
     /// Without a limit, at a sample rate in Hz.
     #[must_use]
     pub const fn unlimited(sample_rate_hz: u32) -> Self {
-        Self { sample_rate_hz, limit: None, first: Groups::NONE, second: Groups::NONE }
+        Self { sample_rate_hz, limit: None, groups: [Groups::NONE; 2] }
     }
 
     /// The limit in force.
@@ -100,9 +99,10 @@ impl Excursion {
     }
 
     const fn groups_of(&mut self, slot: SlotIndex) -> &mut Groups {
+        let [first, second] = &mut self.groups;
         match slot {
-            SlotIndex::First => &mut self.first,
-            SlotIndex::Second => &mut self.second,
+            SlotIndex::First => first,
+            SlotIndex::Second => second,
         }
     }
 
@@ -155,12 +155,8 @@ impl Excursion {
             }
             SettingTrajectory::Along if tone.from == tone.to => at(slots.evaluate(table, tone.to)),
             SettingTrajectory::Along => {
-                let groups = match table.slot {
-                    SlotIndex::First => &self.first,
-                    SlotIndex::Second => &self.second,
-                };
                 let (first, last) = knots_between(table, tone.from, tone.to);
-                groups.largest(first.into(), last.into())
+                table.slot.of(&self.groups).largest(first.into(), last.into())
             }
             SettingTrajectory::Join { step_upper, gain, .. } => {
                 let ends = [tone.from, tone.to].map(|place| upper_half(slots.evaluate(table, place)));
