@@ -61,7 +61,9 @@ mod steady_bank;
 
 pub use self::block::{AMPLITUDE_ONE, BLOCK, FULL_SCALE, MAX_STEP_CHANGE, TONES, ToneBlock};
 use self::kernel::{Kernel, Survey};
-use self::layout::{GlideBasis, GlideSeeds, SteadyBasis, SteadySeeds, Turn};
+use self::layout::{
+    GLIDE_PARTS, GlideBasis, GlideSeeds, NO_PAIR, PAIR, SteadyBasis, SteadySeeds, Turn, no_words,
+};
 use self::native::Native;
 use self::portable::Portable;
 pub use self::steady_bank::SteadyBank;
@@ -94,10 +96,10 @@ impl Bank {
             phases: [0; TONES],
             inverted_steps: [0; TONES],
             turns: [Turn::NONE; TONES],
-            steady_basis: SteadyBasis::new(),
-            steady_seeds: SteadySeeds::new(),
-            glide_basis: GlideBasis::new(),
-            glide_seeds: GlideSeeds::new(),
+            steady_basis: SteadyBasis::both(no_words()),
+            steady_seeds: SteadySeeds::both(NO_PAIR),
+            glide_basis: GlideBasis::all(no_words()),
+            glide_seeds: GlideSeeds::all([NO_PAIR; GLIDE_PARTS / PAIR]),
         }
     }
 
