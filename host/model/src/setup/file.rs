@@ -31,7 +31,7 @@ use slipline_plate::quantity::{Count, Counted, OutOfRange, Range, WrongCount, mu
 use slipline_plate::{Plate, PlateFileError};
 use std::sync::Arc;
 pub use text::FeelingText;
-use text::{SetupText, ToneText};
+use text::{BoundaryText, SetupText, ToneText};
 
 /// The largest file that is read, in bytes: a plate file with every taper point fits.
 pub const FILE_BYTES_MAX: usize = 1 << 20;
@@ -169,7 +169,7 @@ pub fn write(setup: &Setup) -> String {
         master_db: setup.master_db,
         glide_s: setup.glide_s,
         chord_gain_db: setup.chord_gain_db,
-        boundary: setup.boundary.into(),
+        boundary: BoundaryText { holds: setup.boundary.word().to_owned() },
         feeling: setup.feeling.into(),
         tones,
         plate: toml::from_str(&setup.plate.to_toml()).unwrap_or_default(),

@@ -35,17 +35,7 @@ pub(super) struct BoundaryText {
 
 impl Default for BoundaryText {
     fn default() -> Self {
-        Self::from(BoundaryMode::default())
-    }
-}
-
-impl From<BoundaryMode> for BoundaryText {
-    fn from(mode: BoundaryMode) -> Self {
-        let holds = match mode {
-            BoundaryMode::FeltEdge => "felt-edge",
-            BoundaryMode::TurningPoint => "turning-point",
-        };
-        Self { holds: holds.to_owned() }
+        Self { holds: BoundaryMode::default().word().to_owned() }
     }
 }
 
