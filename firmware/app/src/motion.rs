@@ -40,12 +40,6 @@ pub struct Motion {
     tones: [ToneTrajectory; MAX_TONES],
 }
 
-impl Default for Motion {
-    fn default() -> Self {
-        Self::silent()
-    }
-}
-
 impl Motion {
     /// Silence, without a table.
     #[must_use]

@@ -110,10 +110,6 @@ pub struct TableSlots([Slot; 2]);
 impl TableSlots {
     /// Both empty.
     #[must_use]
-    #[expect(
-        clippy::new_without_default,
-        reason = "18 KiB belong into a static, which needs the const constructor"
-    )]
     pub const fn new() -> Self {
         Self([const { Slot::new() }; 2])
     }

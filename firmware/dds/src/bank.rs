@@ -82,12 +82,6 @@ pub struct Bank {
     glide_seeds: GlideSeeds,
 }
 
-impl Default for Bank {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl Bank {
     /// A bank with every phase at zero.
     #[must_use]

@@ -109,12 +109,6 @@ pub enum Progress {
 #[derive(Debug)]
 pub struct Values([AtomicU32; MAX_VALUES]);
 
-impl Default for Values {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl Values {
     /// All zero.
     #[must_use]

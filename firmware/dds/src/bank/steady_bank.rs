@@ -16,12 +16,6 @@ pub struct SteadyBank {
     seeds: SteadySeeds,
 }
 
-impl Default for SteadyBank {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl SteadyBank {
     /// Silence.
     #[must_use]
