@@ -190,7 +190,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
                 let waited = self.hold_back_levels(mailbox);
                 let answer = self.drive(drive, is_stopped, mailbox);
                 self.go_on_if_refused(waited, answer.is_err(), is_stopped, mailbox);
-                answer.map(|published| published.answer(drive.glide))
+                answer.map(|published| drive::answer(published, drive.glide))
             }
             Command::Chord(chord) => self.chord(chord, is_stopped, mailbox).map(accepted),
             Command::Comb(comb) => self.comb(comb, is_stopped, mailbox).map(accepted),

@@ -1,11 +1,11 @@
 //! Tables: an uploaded table comes into force; the table in force is stored in flash or removed from it.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use slipline_protocol::event::{Accepted, Event, Fault, StoredConfig};
+use slipline_protocol::event::{Accepted, AcceptedUntil, Event, Fault, StoredConfig};
 use slipline_protocol::refusal::{Busy, Refusal};
 use slipline_protocol::units::SampleIndex;
 
-use super::drive::{Published, publish};
+use super::drive::publish;
 use super::{Controller, accepted};
 use crate::mailbox::Mailbox;
 use crate::ports::{FlashPages, System};
@@ -29,7 +29,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             }
             return Err(refusal);
         }
-        let Published { at, .. } = publish(mailbox, &self.lead, Mailbox::publish_swap, |view, lead| {
+        let AcceptedUntil { at, .. } = publish(mailbox, &self.lead, Mailbox::publish_swap, |view, lead| {
             if view.waits() {
                 // It was planned by the table in force.
                 return Err(Refusal::Busy(Busy::CommitPending));

@@ -31,7 +31,7 @@ fn captured(recipe: Recipe) -> Capture<'static> {
     capture.start(recipe, 0, INPUTS).expect("it can be made");
     let end = recipe.begin + (u64::from(recipe.values) << recipe.log2_codes);
     for index in (0..end).step_by(BLOCK) {
-        assert_eq!(capture.progress(), Progress::Capturing);
+        assert_eq!(capture.progress(), Progress::Running);
         capture.take_block(index, &block(index));
     }
     capture
