@@ -14,9 +14,9 @@
 //! 12 % of that, a re-tuned one 25 %, the worst, gliding one 37 %.)
 //!
 //! **Phase.** A tone's step moves linearly over the block, so its phase at sample `n` is the parabola
-//! [`ToneBlock::phase_gain`], in integers; over a whole block that is `64 (step + step_end)` exactly. Only this 64-bit
-//! count is carried from block to block, and every block starts from it: there is no drift, and a block's samples
-//! depend only on its phases and its tones.
+//! `n step + floor((step_end - step) n^2 / 256)`, in integers; over a whole block that is [`ToneBlock::block_gain`]. Only
+//! this 64-bit count is carried from block to block, and every block starts from it: there is no drift, and a block's
+//! samples depend only on its phases and its tones.
 //!
 //! **The symmetric basis.** About a centre with phase `p`, `tau = n + 1/2` samples away on either side,
 //! ```text
@@ -120,7 +120,7 @@ impl Bank {
         }
     }
 
-    /// Renders the next block, in units of 1/[`FULL_SCALE`] of half the DAC's swing, and adds `phase_gain(128)` to
+    /// Renders the next block, in units of 1/[`FULL_SCALE`] of half the DAC's swing, and adds its gain over the block to
     /// every phase.
     pub fn render(&mut self, tones: &[ToneBlock; TONES], out: &mut [i32; BLOCK]) {
         self.render_with::<Native>(tones, out);
