@@ -11,7 +11,7 @@ use crate::trace::TracedFrame;
 use crate::upkeep;
 use slipline_protocol::Command;
 use slipline_protocol::board::BoardReport;
-use slipline_protocol::command::{TravelLimit, TravelSetting};
+use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::{
     AcceptedUntil, Fault, Faults, Identity, Maintenance, ProfileReport, State, Status, TableReport,
     TriggerReport, Wear,

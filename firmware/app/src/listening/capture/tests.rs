@@ -8,7 +8,7 @@ use std::vec::Vec;
 
 /// Memory for one capture.
 fn memory() -> &'static Values {
-    Box::leak(Box::default())
+    Box::leak(Box::new(Values::new()))
 }
 
 /// The code at an index: a hash of it, so that a block at another index has other codes.
