@@ -303,7 +303,7 @@ fn a_table_swap_after_a_long_armed_silence_is_no_drive() {
 struct Deadly;
 
 impl FlashPages for Deadly {
-    fn slot_len(&self) -> usize {
+    fn slot_len(&self, _: FlashSlot) -> usize {
         crate::store::SLOT_BYTES
     }
 

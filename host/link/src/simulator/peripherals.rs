@@ -288,12 +288,8 @@ impl Button for Peripherals {
 }
 
 impl FlashPages for Peripherals {
-    fn slot_len(&self) -> usize {
-        self.lock().flash.slots[0].len()
-    }
-
-    fn profile_slot_len(&self) -> usize {
-        self.lock().flash.slots[2].len()
+    fn slot_len(&self, slot: FlashSlot) -> usize {
+        self.lock().flash.slots[slot as usize].len()
     }
 
     fn endurance(&self) -> u32 {
