@@ -256,6 +256,15 @@ impl Refusal {
     pub const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Self {
         Self::OutOfRange { field, min, max, got }
     }
+
+    /// Refuses a value outside its allowed range, `min..=max`.
+    ///
+    /// # Errors
+    /// [`Refusal::OutOfRange`].
+    #[inline]
+    pub fn check(field: Field, min: i64, max: i64, got: i64) -> Result<(), Self> {
+        if (min..=max).contains(&got) { Ok(()) } else { Err(Self::out_of_range(field, min, max, got)) }
+    }
 }
 
 impl core::fmt::Display for Refusal {

@@ -15,7 +15,7 @@ use crate::mailbox::{Mailbox, NotPublished};
 use crate::motion::Motion;
 use crate::planning::plan::Planner;
 use crate::ports::{FlashPages, StopInput, System, UserButton};
-use crate::range::in_range;
+use crate::range::{in_range, within};
 use crate::safety::faults::FaultLatch;
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
 
@@ -45,8 +45,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         ArmLease { lease_ms }: ArmLease,
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
-        let (least, most) = limits::LEASE_MS;
-        in_range(Field::Lease, least.into(), most.into(), lease_ms.into())?;
+        within(Field::Lease, limits::LEASE_MS, lease_ms)?;
         let ready = self.arm(mailbox)?;
         // In an armed device only the lease restarts: the longest drive counts from the user's own drive.
         mailbox.lease(self.timing.samples(lease_ms));

@@ -151,10 +151,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         let most = blocks(timing.max_glide).saturating_sub(pause).min(u16::MAX.into());
         in_range(Field::WindowBlocks, least, most, asked.blocks.into())?;
         let level = |field, least: i16, most: i16, asked: CentiDecibel| {
-            if (least..=most).contains(&asked.0) {
-                return Ok(octaves(asked));
-            }
-            Err(Refusal::out_of_range(field, least.into(), most.into(), asked.0.into()))
+            Refusal::check(field, least.into(), most.into(), asked.0.into()).map(|()| octaves(asked))
         };
         let period = u64::from(asked.blocks).saturating_add(pause).saturating_mul(BLOCK_SAMPLES);
         Ok(LoopSetting {

@@ -140,14 +140,9 @@ impl Planner<'_> {
         let master = master_gain(drive.master);
         let mut targets = [None; MAX_TONES];
         for tone in &drive.tones {
-            let Some(target) = targets.get_mut(usize::from(tone.slot)) else {
-                return Err(Refusal::out_of_range(
-                    Field::ToneSlot,
-                    0,
-                    MAX_TONES as i64 - 1,
-                    i64::from(tone.slot),
-                ));
-            };
+            let refused =
+                || Refusal::out_of_range(Field::ToneSlot, 0, MAX_TONES as i64 - 1, tone.slot.into());
+            let target = targets.get_mut(usize::from(tone.slot)).ok_or_else(refused)?;
             if target.is_some() {
                 return Err(Refusal::SlotTwice { slot: tone.slot });
             }
@@ -162,14 +157,7 @@ impl Planner<'_> {
     }
 
     fn check_ranges(&self, master: CentiDecibel, glide: u32) -> Result<(), Refusal> {
-        if !(MIN_MASTER_CDB..=0).contains(&master.0) {
-            return Err(Refusal::out_of_range(
-                Field::MasterLevel,
-                i64::from(MIN_MASTER_CDB),
-                0,
-                i64::from(master.0),
-            ));
-        }
+        Refusal::check(Field::MasterLevel, MIN_MASTER_CDB.into(), 0, master.0.into())?;
         self.check_glide(glide)
     }
 

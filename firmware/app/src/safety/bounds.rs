@@ -18,7 +18,7 @@ use slipline_protocol::units::{Gain, per_mille};
 
 use crate::motion::Motion;
 use crate::motion::trajectory::{SettingTrajectory, ToneTrajectory};
-use crate::range::in_range;
+use crate::range::within;
 use crate::safety::excursion::Excursion;
 use crate::safety::thermal::CoilConstants;
 use crate::slots::{TableRef, TableSlots};
@@ -177,23 +177,12 @@ fn largest_gain(tone: &ToneTrajectory, table: TableRef, slots: &TableSlots) -> G
 /// # Errors
 /// [`Refusal::OutOfRange`] with the field.
 pub fn check(profile: &ActuatorProfile) -> Result<(), Refusal> {
-    let (least, most) = limits::PROFILE_SUM_PER_MILLE;
-    in_range(Field::ProfileSum, least.into(), most.into(), profile.max_sum_per_mille.into())?;
-    let (least, most) = limits::COIL_TIME_MS;
+    within(Field::ProfileSum, limits::PROFILE_SUM_PER_MILLE, profile.max_sum_per_mille)?;
     for time in [profile.heat.winding_ms, profile.heat.body_ms] {
-        in_range(Field::CoilTime, least.into(), most.into(), time.into())?;
+        within(Field::CoilTime, limits::COIL_TIME_MS, time)?;
     }
-    let (least, most) = limits::FULL_SINE_PER_MILLE;
-    in_range(Field::FullSine, least.into(), most.into(), profile.heat.full_sine_per_mille.into())?;
-    in_range(
-        Field::DriveTime,
-        limits::MIN_DRIVE_MS.into(),
-        limits::MAX_DRIVE_MS.into(),
-        profile.max_drive_ms.into(),
-    )?;
-    let rise = profile.max_rise.0;
-    if !(0..=MAX_RISE_CDB).contains(&rise) {
-        return Err(Refusal::out_of_range(Field::MaxRise, 0, MAX_RISE_CDB.into(), rise.into()));
-    }
+    within(Field::FullSine, limits::FULL_SINE_PER_MILLE, profile.heat.full_sine_per_mille)?;
+    within(Field::DriveTime, (limits::MIN_DRIVE_MS, limits::MAX_DRIVE_MS), profile.max_drive_ms)?;
+    Refusal::check(Field::MaxRise, 0, MAX_RISE_CDB.into(), profile.max_rise.0.into())?;
     profile.travel.as_ref().map_or(Ok(()), crate::safety::excursion::check_ranges)
 }

@@ -29,6 +29,7 @@ use self::groups::Groups;
 use self::law::Law;
 use crate::motion::Motion;
 use crate::motion::trajectory::{SettingTrajectory, ToneTrajectory};
+use crate::range::within;
 use crate::slots::{SlotIndex, TableRef, TableSlots, knots_between};
 
 /// The limit in force, if any, and the travels of the two tables by it.
@@ -117,12 +118,7 @@ impl Excursion {
         if glide >= shortest {
             return Ok(());
         }
-        Err(Refusal::OutOfRange {
-            field: Field::Glide,
-            min: i64::from(shortest),
-            max: i64::from(timing.max_glide),
-            got: i64::from(glide),
-        })
+        Err(Refusal::out_of_range(Field::Glide, shortest.into(), timing.max_glide.into(), glide.into()))
     }
 
     /// Checks that the steady travel of all tones together stays within the limit on the whole way of a motion.
@@ -200,19 +196,9 @@ fn refusal(at_start: f32, at_end: f32) -> Refusal {
 /// # Errors
 /// [`Refusal::OutOfRange`] with the field.
 pub(crate) fn check_ranges(limit: &TravelLimit) -> Result<(), Refusal> {
-    let check = |field, min: u64, max: u64, got: u64| {
-        if (min..=max).contains(&got) {
-            return Ok(());
-        }
-        let signed = |value| i64::try_from(value).unwrap_or(i64::MAX);
-        Err(Refusal::OutOfRange { field, min: signed(min), max: signed(max), got: signed(got) })
-    };
-    let (min, max) = limits::RESONANCE_UHZ;
-    check(Field::Resonance, min, max, limit.resonance_uhz)?;
-    let (min, max) = limits::QUALITY_PER_MILLE;
-    check(Field::Quality, min.into(), max.into(), limit.quality_per_mille.into())?;
-    let (min, max) = limits::STATIC_TRAVEL_PPM;
-    check(Field::StaticTravel, min.into(), max.into(), limit.static_ppm.into())
+    within(Field::Resonance, limits::RESONANCE_UHZ, limit.resonance_uhz)?;
+    within(Field::Quality, limits::QUALITY_PER_MILLE, limit.quality_per_mille)?;
+    within(Field::StaticTravel, limits::STATIC_TRAVEL_PPM, limit.static_ppm)
 }
 
 #[cfg(test)]
