@@ -170,18 +170,6 @@ impl ChordTones {
         self.sounding().map(|(_, _, _, amplitude)| u64::from(amplitude.0)).sum()
     }
 
-    /// Checks that the amplitudes fit whatever the phases.
-    ///
-    /// # Errors
-    /// [`Refusal::Headroom`].
-    pub(crate) fn check_amplitudes(&self) -> Result<(), Refusal> {
-        let sum = self.sum();
-        if sum > u64::from(Gain::FULL.0) {
-            return Err(Refusal::Headroom { sum_per_mille: per_mille(sum) });
-        }
-        Ok(())
-    }
-
     /// Checks that phases may exist with which the tones fit. It also keeps every sample within 32 bits.
     ///
     /// # Errors

@@ -90,10 +90,7 @@ impl Planner<'_> {
     /// # Errors
     /// [`Refusal::NoTable`], [`Refusal::OutOfRange`] for the master level, the glide, and as [`ChordTones::of`].
     pub fn place_chord(&self, chord: &Chord, table: TableRef, tones: &mut ChordTones) -> Result<(), Refusal> {
-        if table.knots == 0 {
-            return Err(Refusal::NoTable);
-        }
-        self.check_ranges(chord.master, chord.glide)?;
+        self.check_ranges(table, chord.master, chord.glide)?;
         tones.set(chord, table.knots, |index| self.slots.knot(table.slot, index))
     }
 
@@ -103,12 +100,10 @@ impl Planner<'_> {
     /// [`Refusal::NoTable`], [`Refusal::OutOfRange`] for the master level, the glide, the period, the number of tones and a
     /// multiple, [`Refusal::Headroom`].
     pub fn place_comb(&self, comb: &Comb, table: TableRef, tones: &mut ChordTones) -> Result<(), Refusal> {
-        if table.knots == 0 {
-            return Err(Refusal::NoTable);
-        }
-        self.check_ranges(comb.master, comb.glide)?;
+        self.check_ranges(table, comb.master, comb.glide)?;
         tones.set_comb(comb, table.knots, |index| self.slots.knot(table.slot, index))?;
-        tones.check_amplitudes()
+        // They must fit whatever their phases.
+        Refusal::check_sum(tones.sum(), Gain::FULL)
     }
 
     /// Makes the motion of a chord or a comb that rises from silence at `at`. Whether a chord's sum fits is not checked here:
@@ -133,10 +128,7 @@ impl Planner<'_> {
 
     /// Checks a drive's fields; returns where each tone shall go.
     fn targets(&self, drive: &Drive, table: TableRef) -> Result<[Option<Target>; MAX_TONES], Refusal> {
-        if table.knots == 0 {
-            return Err(Refusal::NoTable);
-        }
-        self.check_ranges(drive.master, drive.glide)?;
+        self.check_ranges(table, drive.master, drive.glide)?;
         let master = master_gain(drive.master);
         let mut targets = [None; MAX_TONES];
         for tone in &drive.tones {
@@ -156,7 +148,10 @@ impl Planner<'_> {
         Ok(targets)
     }
 
-    fn check_ranges(&self, master: CentiDecibel, glide: u32) -> Result<(), Refusal> {
+    fn check_ranges(&self, table: TableRef, master: CentiDecibel, glide: u32) -> Result<(), Refusal> {
+        if table.knots == 0 {
+            return Err(Refusal::NoTable);
+        }
         Refusal::check(Field::MasterLevel, MIN_MASTER_CDB.into(), 0, master.0.into())?;
         self.check_glide(glide)
     }

@@ -14,7 +14,7 @@ use slipline_protocol::limits::{self, MAX_RISE_CDB};
 use slipline_protocol::profile::ActuatorProfile;
 use slipline_protocol::refusal::{Field, Refusal};
 use slipline_protocol::timing::Timing;
-use slipline_protocol::units::{Gain, per_mille};
+use slipline_protocol::units::Gain;
 
 use crate::motion::Motion;
 use crate::motion::trajectory::{SettingTrajectory, ToneTrajectory};
@@ -137,11 +137,7 @@ impl Bounds {
             at_start = at_start.saturating_add(gain.times(tone.from_level).0.into());
             at_end = at_end.saturating_add(gain.times(tone.to_level).0.into());
         }
-        let sum = at_start.max(at_end);
-        if sum > u64::from(self.ceiling().0) {
-            return Err(Refusal::Headroom { sum_per_mille: per_mille(sum) });
-        }
-        Ok(())
+        Refusal::check_sum(at_start.max(at_end), self.ceiling())
     }
 }
 
