@@ -189,6 +189,12 @@ impl Recorder {
         self.finish_unlogged(ticket, outcome);
     }
 
+    /// Takes a report, with which the request for it is done.
+    pub(crate) fn take(&mut self, ticket: Option<Ticket>, report: impl FnOnce(&mut Self)) {
+        report(self);
+        self.finish(ticket, Outcome::Done { at: 0 });
+    }
+
     /// As [`Recorder::finish`], without a log entry: the caller retries, or reports the refusal itself.
     pub(crate) fn finish_unlogged(&mut self, ticket: Option<Ticket>, outcome: Outcome) {
         if let Outcome::Refused(refusal) = &outcome
