@@ -3,8 +3,8 @@
 /// Rises when messages or variants are added.
 pub const MINOR: u8 = 3;
 
-/// A minor version that two sides share: neither sends the other anything newer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// A minor version that two sides share: neither sends the other anything newer. By default the first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Minor(u8);
 
 impl Minor {

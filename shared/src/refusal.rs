@@ -2,6 +2,7 @@
 
 use crate::fault::Faults;
 use crate::schema::choices;
+use crate::units::{Gain, per_mille};
 
 choices! {
     /// A field of a command that has a range.
@@ -255,6 +256,26 @@ impl Refusal {
     #[must_use]
     pub const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Self {
         Self::OutOfRange { field, min, max, got }
+    }
+
+    /// Refuses a value outside its allowed range, `min..=max`.
+    ///
+    /// # Errors
+    /// [`Refusal::OutOfRange`].
+    #[inline]
+    pub fn check(field: Field, min: i64, max: i64, got: i64) -> Result<(), Self> {
+        if (min..=max).contains(&got) { Ok(()) } else { Err(Self::out_of_range(field, min, max, got)) }
+    }
+
+    /// Refuses amplitudes whose sum is above a ceiling, both Q1.31.
+    ///
+    /// # Errors
+    /// [`Refusal::Headroom`].
+    pub fn check_sum(sum: u64, ceiling: Gain) -> Result<(), Self> {
+        if sum > u64::from(ceiling.0) {
+            return Err(Self::Headroom { sum_per_mille: per_mille(sum) });
+        }
+        Ok(())
     }
 }
 

@@ -170,24 +170,17 @@ impl Wire for (u8, u8, u8) {
 
 /// One row of a body's fields.
 macro_rules! field_row {
-    ([$($doc:literal)+] $name:ident $ty:ty, $unit:literal) => {
+    ([$($doc:literal)+] $name:ident $ty:ty, $unit:literal $(, $min:expr, $max:expr)?) => {
         $crate::schema::FieldRow {
             name: stringify!($name),
             doc: &[$($doc),+],
             unit: $unit,
-            range: None,
+            range: $crate::schema::field_row!(@range $($min, $max)?),
             shape: <$ty as $crate::schema::Wire>::SHAPE,
         }
     };
-    ([$($doc:literal)+] $name:ident $ty:ty, $unit:literal, $min:expr, $max:expr) => {
-        $crate::schema::FieldRow {
-            name: stringify!($name),
-            doc: &[$($doc),+],
-            unit: $unit,
-            range: Some(($min as i64, $max as i64)),
-            shape: <$ty as $crate::schema::Wire>::SHAPE,
-        }
-    };
+    (@range) => { None };
+    (@range $min:expr, $max:expr) => { Some(($min as i64, $max as i64)) };
 }
 pub(crate) use field_row;
 

@@ -104,14 +104,7 @@ pub const fn position_between(count: u16, index: u16, fraction: u32) -> FinePosi
 /// The fault of the first knot that has one: [`Refusal::OutOfRange`] with the field and its value, or
 /// [`Refusal::NotMonotonic`] with the knot's index.
 pub fn validate(count: u16, knot: impl Fn(u16) -> Knot) -> Result<(), Refusal> {
-    if !(MIN_KNOTS..=MAX_KNOTS).contains(&usize::from(count)) {
-        return Err(Refusal::out_of_range(
-            Field::KnotCount,
-            MIN_KNOTS as i64,
-            MAX_KNOTS as i64,
-            i64::from(count),
-        ));
-    }
+    Refusal::check(Field::KnotCount, MIN_KNOTS as i64, MAX_KNOTS as i64, count.into())?;
     let mut validator = Validator::default();
     (0..count).try_for_each(|index| validator.take(knot(index)))
 }
@@ -130,17 +123,8 @@ impl Validator {
     /// # Errors
     /// [`Refusal::OutOfRange`] or [`Refusal::NotMonotonic`]. After an error there is nothing more to check.
     pub fn take(&mut self, Knot { step, gain }: Knot) -> Result<(), Refusal> {
-        if !(1..=MAX_KNOT_STEP).contains(&step) {
-            return Err(Refusal::out_of_range(Field::KnotStep, 1, i64::from(MAX_KNOT_STEP), i64::from(step)));
-        }
-        if !(1..=Gain::FULL.0).contains(&gain.0) {
-            return Err(Refusal::out_of_range(
-                Field::KnotGain,
-                1,
-                i64::from(Gain::FULL.0),
-                i64::from(gain.0),
-            ));
-        }
+        Refusal::check(Field::KnotStep, 1, MAX_KNOT_STEP.into(), step.into())?;
+        Refusal::check(Field::KnotGain, 1, Gain::FULL.0.into(), gain.0.into())?;
         if let Some(previous) = self.previous {
             // The first two knots give the direction.
             let is_rising = *self.is_rising.get_or_insert(step > previous);

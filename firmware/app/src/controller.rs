@@ -37,7 +37,6 @@ use crate::listening::capture::Values;
 use crate::mailbox::Mailbox;
 use crate::mailbox::Stop;
 use crate::planning::chord::Candidate;
-use crate::planning::ramp::RampShape;
 use crate::ports::{FlashPages, System};
 use crate::range::in_range;
 use crate::safety::boot::Boot;
@@ -71,7 +70,6 @@ pub struct Controller<'a, F, S> {
     device: Device,
     boot: Boot,
     timing: Timing,
-    shape: RampShape,
     flash: F,
     system: S,
     stored: StoredConfig,
@@ -112,7 +110,6 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             thermal: Thermal::new(boot.heat),
             device,
             boot,
-            shape: RampShape::new(),
             flash,
             system,
             stored: StoredConfig::Empty,
@@ -193,7 +190,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
                 let waited = self.hold_back_levels(mailbox);
                 let answer = self.drive(drive, is_stopped, mailbox);
                 self.go_on_if_refused(waited, answer.is_err(), is_stopped, mailbox);
-                answer.map(|published| published.answer(drive.glide))
+                answer.map(|published| drive::answer(published, drive.glide))
             }
             Command::Chord(chord) => self.chord(chord, is_stopped, mailbox).map(accepted),
             Command::Comb(comb) => self.comb(comb, is_stopped, mailbox).map(accepted),

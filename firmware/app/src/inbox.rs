@@ -39,12 +39,6 @@ pub struct Inbox {
     stops: u32,
 }
 
-impl Default for Inbox {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl Inbox {
     /// Before the first byte.
     #[must_use]

@@ -38,6 +38,10 @@
 //! - `bootloader.rs`, `release.rs`: the way into the ROM bootloader, and the firmware's release
 #![no_std]
 #![expect(
+    clippy::new_without_default,
+    reason = "what is large belongs into a static, which needs a const constructor"
+)]
+#![expect(
     async_fn_in_trait,
     reason = "the ports are used by generics in one task, whose executor sees the type"
 )]

@@ -31,7 +31,6 @@ use self::outline::Outline;
 pub use self::placement::{Onset, Placement};
 use self::trajectory::{SettingTrajectory, ToneTrajectory};
 use crate::planning::program::{Program, Target};
-use crate::planning::ramp::RampShape;
 use crate::slots::{TableRef, TableSlots};
 
 /// The trajectories of all tones from one program's start to its end. After the end the tones stay where they are.
@@ -39,12 +38,6 @@ use crate::slots::{TableRef, TableSlots};
 pub struct Motion {
     outline: Outline,
     tones: [ToneTrajectory; MAX_TONES],
-}
-
-impl Default for Motion {
-    fn default() -> Self {
-        Self::silent()
-    }
 }
 
 impl Motion {
@@ -120,9 +113,9 @@ impl Motion {
 
     /// Where each tone is at an index; before the start as at the start, after the end as at the end.
     #[must_use]
-    pub fn at(&self, index: SampleIndex, slots: &TableSlots, shape: &RampShape) -> [Placement; MAX_TONES] {
+    pub fn at(&self, index: SampleIndex, slots: &TableSlots) -> [Placement; MAX_TONES] {
         let mut all = [Placement::default(); MAX_TONES];
-        place(&self.outline, &self.tones, index, slots, shape, &mut all);
+        place(&self.outline, &self.tones, index, slots, &mut all);
         all
     }
 

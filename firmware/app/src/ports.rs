@@ -228,13 +228,8 @@ pub struct FlashError;
 ///
 /// Erasing may stall the processor for seconds: the application calls it only when the amplifier is muted.
 pub trait FlashPages {
-    /// Bytes in each of the table's slots; 0 where there is no store.
-    fn slot_len(&self) -> usize;
-
-    /// Bytes in each of the profile's slots at least; 0 where there are none.
-    fn profile_slot_len(&self) -> usize {
-        0
-    }
+    /// Bytes in a slot; 0 where there is none.
+    fn slot_len(&self, slot: FlashSlot) -> usize;
 
     /// Erasures of each slot that the chip's data sheet promises; 0 without a store.
     fn endurance(&self) -> u32;
@@ -264,7 +259,7 @@ pub trait FlashPages {
 pub struct NoFlash;
 
 impl FlashPages for NoFlash {
-    fn slot_len(&self) -> usize {
+    fn slot_len(&self, _: FlashSlot) -> usize {
         0
     }
 

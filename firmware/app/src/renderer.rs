@@ -32,7 +32,6 @@ use crate::mailbox::Mailbox;
 use crate::mailbox::{Inputs, Orders, Report, Stop};
 use crate::motion::Placement;
 use crate::motion::outline::Outline;
-use crate::planning::ramp::RampShape;
 use crate::ports::{Button, CycleCounter, DacStream, Mute, RendererPorts, SenseStream, Trigger};
 use crate::safety::foldback::Foldback;
 use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS, TICK_BLOCKS};
@@ -44,7 +43,6 @@ const LIMIT_SLEW: u32 = Gain::FULL.0 / 65;
 /// The interrupt side of the application.
 pub struct Renderer {
     timing: Timing,
-    shape: RampShape,
     bank: Bank,
     index: SampleIndex,
     /// The time of the motion in force; its trajectories are in the mailbox.
@@ -103,7 +101,6 @@ impl Renderer {
         };
         Self {
             timing,
-            shape: RampShape::new(),
             bank: Bank::new(),
             index,
             outline: Outline::SILENT,
@@ -441,7 +438,7 @@ impl Renderer {
             self.is_steady = false;
             let limit = Gain(self.limit);
             let mut sum: u64 = 0;
-            mailbox.place(&self.outline, next, &self.shape, &mut self.here);
+            mailbox.place(&self.outline, next, &mut self.here);
             for (tone, here) in self.tones.iter_mut().zip(&self.here) {
                 let amplitude_end = here.amplitude().times(limit).0;
                 *tone = ToneBlock {

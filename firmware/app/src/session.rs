@@ -49,12 +49,6 @@ pub struct Session {
     dropped: u32,
 }
 
-impl Default for Session {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl Session {
     /// Before the first hello.
     #[must_use]

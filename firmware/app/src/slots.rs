@@ -24,7 +24,7 @@ pub struct TableRef {
     pub knots: u16,
 }
 
-/// The name of a slot.
+/// The name of a slot: one of the two tables, or of the two motions of the mailbox.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SlotIndex {
     /// The first.
@@ -41,6 +41,14 @@ impl SlotIndex {
         match self {
             Self::First => Self::Second,
             Self::Second => Self::First,
+        }
+    }
+
+    /// Its element of a pair.
+    pub(crate) const fn of<T>(self, [first, second]: &[T; 2]) -> &T {
+        match self {
+            Self::First => first,
+            Self::Second => second,
         }
     }
 }
@@ -97,27 +105,17 @@ impl Table<'_> {
 }
 
 /// Both slots: 18 KiB.
-pub struct TableSlots {
-    first: Slot,
-    second: Slot,
-}
+pub struct TableSlots([Slot; 2]);
 
 impl TableSlots {
     /// Both empty.
     #[must_use]
-    #[expect(
-        clippy::new_without_default,
-        reason = "18 KiB belong into a static, which needs the const constructor"
-    )]
     pub const fn new() -> Self {
-        Self { first: Slot::new(), second: Slot::new() }
+        Self([const { Slot::new() }; 2])
     }
 
     const fn slot(&self, index: SlotIndex) -> &Slot {
-        match index {
-            SlotIndex::First => &self.first,
-            SlotIndex::Second => &self.second,
-        }
+        index.of(&self.0)
     }
 
     /// The knot at `index`; the default beyond the slot's end.

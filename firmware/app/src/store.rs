@@ -33,7 +33,7 @@ use crate::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
 use crate::upload::check_header;
 
 pub use self::budget::Budget;
-pub use self::profile::{holds_profile, load_profile, profile_erasures, save_profile};
+pub use self::profile::{holds_profile, load_profile, save_profile};
 pub use self::slots::{erasures, has_lost_a_copy};
 
 type Word = [u8; FLASH_WORD];
@@ -108,10 +108,7 @@ pub fn load(
     sample_rate_hz: u32,
     mut sink: impl FnMut(u16, Knot),
 ) -> Result<TableHeader, StoredConfig> {
-    if flash.slot_len() < SLOT_BYTES {
-        return Err(StoredConfig::Empty);
-    }
-    let (slot, record) = newest(flash)?;
+    let (slot, record) = newest(flash, FlashSlot::A)?;
     if record.layout != LAYOUT {
         return Err(StoredConfig::WrongVersion);
     }
@@ -202,7 +199,7 @@ pub fn save(
     knot: impl Fn(u16) -> Knot,
 ) -> Result<(), FlashError> {
     let words = payload_words(header).ok_or(FlashError)?;
-    write_record(flash, TABLE, words, |index| payload_word(header, &knot, index))
+    write_record(flash, FlashSlot::A, TABLE, words, |index| payload_word(header, &knot, index))
 }
 
 /// Stores a record that marks the absence of a table.
@@ -211,12 +208,12 @@ pub fn save(
 /// [`FlashError`] if the slots are too small, or the flash reports an error or reads back wrong. The record before
 /// stays whole then.
 pub fn forget(flash: &mut impl FlashPages) -> Result<(), FlashError> {
-    write_record(flash, FORGOTTEN, 0, |_| [0; FLASH_WORD])
+    write_record(flash, FlashSlot::A, FORGOTTEN, 0, |_| [0; FLASH_WORD])
 }
 
 /// Whether this very table is stored, and the other slot is whole: to store it would change nothing.
 pub fn holds(flash: &mut impl FlashPages, header: &TableHeader, knot: impl Fn(u16) -> Knot) -> bool {
-    let Ok((slot, record)) = newest(flash) else { return false };
+    let Ok((slot, record)) = newest(flash, FlashSlot::A) else { return false };
     let Some(words) = payload_words(header) else { return false };
     if (record.layout, record.kind) != (LAYOUT, TABLE) || !is_whole_beside(flash, slot, &record) {
         return false;
@@ -234,7 +231,7 @@ pub fn holds(flash: &mut impl FlashPages, header: &TableHeader, knot: impl Fn(u1
 
 /// Whether no table is stored, so that forgetting it would change nothing.
 pub fn holds_nothing(flash: &mut impl FlashPages) -> bool {
-    match newest(flash) {
+    match newest(flash, FlashSlot::A) {
         Ok((slot, record)) => {
             (record.layout, record.kind) == (LAYOUT, FORGOTTEN) && is_whole_beside(flash, slot, &record)
         }
@@ -242,16 +239,18 @@ pub fn holds_nothing(flash: &mut impl FlashPages) -> bool {
     }
 }
 
+/// Writes a record into one of two slots, the first of which is `first`.
 fn write_record(
     flash: &mut impl FlashPages,
+    first: FlashSlot,
     kind: u8,
     words: usize,
     payload: impl Fn(usize) -> Word,
 ) -> Result<(), FlashError> {
-    if flash.slot_len() < SLOT_BYTES {
+    if flash.slot_len(first) < SLOT_BYTES {
         return Err(FlashError);
     }
-    let (slot, sequence) = match newest(flash) {
+    let (slot, sequence) = match newest(flash, first) {
         Ok((slot, newest)) => {
             // A slot that is not as a store leaves it was erased once more than the records show.
             let erasures = if is_whole_beside(flash, slot, &newest) { 1 } else { 2 };
@@ -259,8 +258,8 @@ fn write_record(
         }
         Err(_) => {
             // There is no record that could be lost. What is left of one in the other slot would look like a loss.
-            wipe(flash, FlashSlot::B)?;
-            (FlashSlot::A, 1)
+            wipe(flash, first.other())?;
+            (first, 1)
         }
     };
     flash.erase(slot)?;

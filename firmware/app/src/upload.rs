@@ -10,6 +10,7 @@ use slipline_protocol::table::{self, Digester, Knot, Validator};
 use slipline_protocol::units::SampleIndex;
 
 use crate::mailbox::Mailbox;
+use crate::range::{in_range, within};
 use crate::slots::{SlotIndex, TableRef};
 
 /// Knots that are worked on between two looks for a stop. Judging the travel of more takes so long while lock-ins measure that a
@@ -36,31 +37,10 @@ pub struct Upload {
 /// # Errors
 /// [`Refusal::OutOfRange`].
 pub fn check_header(header: &TableHeader, sample_rate_hz: u32) -> Result<(), Refusal> {
-    if !(MIN_KNOTS..=MAX_KNOTS).contains(&usize::from(header.knots)) {
-        return Err(Refusal::out_of_range(
-            Field::KnotCount,
-            MIN_KNOTS as i64,
-            MAX_KNOTS as i64,
-            i64::from(header.knots),
-        ));
-    }
-    if header.sample_rate_hz != sample_rate_hz {
-        let own = i64::from(sample_rate_hz);
-        return Err(Refusal::out_of_range(Field::SampleRate, own, own, i64::from(header.sample_rate_hz)));
-    }
-    if header.span_start_um == u32::MAX {
-        return Err(Refusal::out_of_range(Field::Span, 0, i64::from(u32::MAX - 1), i64::from(u32::MAX)));
-    }
-    if header.span_end_um <= header.span_start_um {
-        let min = i64::from(header.span_start_um).saturating_add(1);
-        return Err(Refusal::out_of_range(
-            Field::Span,
-            min,
-            i64::from(u32::MAX),
-            i64::from(header.span_end_um),
-        ));
-    }
-    Ok(())
+    in_range(Field::KnotCount, MIN_KNOTS as u64, MAX_KNOTS as u64, header.knots.into())?;
+    within(Field::SampleRate, (sample_rate_hz, sample_rate_hz), header.sample_rate_hz)?;
+    within(Field::Span, (0, u32::MAX - 1), header.span_start_um)?;
+    within(Field::Span, (header.span_start_um.saturating_add(1), u32::MAX), header.span_end_um)
 }
 
 /// The digest of what a slot holds under a header. `look` is called every few knots.
@@ -121,9 +101,7 @@ impl Upload {
         if chunk.first != self.received || left == 0 {
             return Err(Refusal::ChunkOrder { expected: self.received });
         }
-        if !(1..=left).contains(&chunk.knots.len()) {
-            return Err(Refusal::out_of_range(Field::KnotCount, 1, left as i64, chunk.knots.len() as i64));
-        }
+        in_range(Field::KnotCount, 1, left as u64, chunk.knots.len() as u64)?;
         for few in chunk.knots.chunks(KNOTS_AT_ONCE) {
             let first = self.received;
             for &knot in few {

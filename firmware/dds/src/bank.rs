@@ -14,9 +14,9 @@
 //! 12 % of that, a re-tuned one 25 %, the worst, gliding one 37 %.)
 //!
 //! **Phase.** A tone's step moves linearly over the block, so its phase at sample `n` is the parabola
-//! [`ToneBlock::phase_gain`], in integers; over a whole block that is `64 (step + step_end)` exactly. Only this 64-bit
-//! count is carried from block to block, and every block starts from it: there is no drift, and a block's samples
-//! depend only on its phases and its tones.
+//! `n step + floor((step_end - step) n^2 / 256)`, in integers; over a whole block that is [`ToneBlock::block_gain`]. Only
+//! this 64-bit count is carried from block to block, and every block starts from it: there is no drift, and a block's
+//! samples depend only on its phases and its tones.
 //!
 //! **The symmetric basis.** About a centre with phase `p`, `tau = n + 1/2` samples away on either side,
 //! ```text
@@ -61,7 +61,9 @@ mod steady_bank;
 
 pub use self::block::{AMPLITUDE_ONE, BLOCK, FULL_SCALE, MAX_STEP_CHANGE, TONES, ToneBlock};
 use self::kernel::{Kernel, Survey};
-use self::layout::{GlideBasis, GlideSeeds, SteadyBasis, SteadySeeds, Turn};
+use self::layout::{
+    GLIDE_PARTS, GlideBasis, GlideSeeds, NO_PAIR, PAIR, SteadyBasis, SteadySeeds, Turn, no_words,
+};
 use self::native::Native;
 use self::portable::Portable;
 pub use self::steady_bank::SteadyBank;
@@ -80,12 +82,6 @@ pub struct Bank {
     glide_seeds: GlideSeeds,
 }
 
-impl Default for Bank {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl Bank {
     /// A bank with every phase at zero.
     #[must_use]
@@ -94,10 +90,10 @@ impl Bank {
             phases: [0; TONES],
             inverted_steps: [0; TONES],
             turns: [Turn::NONE; TONES],
-            steady_basis: SteadyBasis::new(),
-            steady_seeds: SteadySeeds::new(),
-            glide_basis: GlideBasis::new(),
-            glide_seeds: GlideSeeds::new(),
+            steady_basis: SteadyBasis::both(no_words()),
+            steady_seeds: SteadySeeds::both(NO_PAIR),
+            glide_basis: GlideBasis::all(no_words()),
+            glide_seeds: GlideSeeds::all([NO_PAIR; GLIDE_PARTS / PAIR]),
         }
     }
 
@@ -124,7 +120,7 @@ impl Bank {
         }
     }
 
-    /// Renders the next block, in units of 1/[`FULL_SCALE`] of half the DAC's swing, and adds `phase_gain(128)` to
+    /// Renders the next block, in units of 1/[`FULL_SCALE`] of half the DAC's swing, and adds its gain over the block to
     /// every phase.
     pub fn render(&mut self, tones: &[ToneBlock; TONES], out: &mut [i32; BLOCK]) {
         self.render_with::<Native>(tones, out);

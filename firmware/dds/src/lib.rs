@@ -17,6 +17,10 @@
 //! The crate has no clock, allocates nothing and depends on nothing. Frequencies are steps of a 64-bit phase, times are sample
 //! indices. The README beside the manifest is a complete example.
 #![no_std]
+#![expect(
+    clippy::new_without_default,
+    reason = "what is large belongs into a static, which needs a const constructor"
+)]
 #![cfg_attr(
     not(test),
     deny(

@@ -35,30 +35,15 @@ static MAILBOX: Mailbox<CriticalSectionRawMutex> = Mailbox::new();
 static CAPTURED: Values = Values::new();
 
 /// Interrupts of this board that no peripheral uses; the executors run in them, at their priorities.
-#[derive(Clone, Copy)]
-enum Spare {
-    Renderer,
-    Link,
-}
-
 const RENDERER_INTERRUPT: i16 = 30;
 const LINK_INTERRUPT: i16 = 31;
 
-// SAFETY: both numbers are below the processor's number of interrupts (32 on this board), each stands for one vector.
-unsafe impl InterruptNumber for Spare {
-    fn number(self) -> u16 {
-        match self {
-            Self::Renderer => RENDERER_INTERRUPT.unsigned_abs(),
-            Self::Link => LINK_INTERRUPT.unsigned_abs(),
-        }
-    }
-}
-
-/// The interrupt of a peripheral.
+/// An interrupt.
 #[derive(Clone, Copy)]
 struct Vector(i16);
 
-// SAFETY: made from this board's interrupt numbers only.
+// SAFETY: made from this board's interrupt numbers only, which are below the processor's number of interrupts (32 on this board);
+// each stands for one vector.
 unsafe impl InterruptNumber for Vector {
     fn number(self) -> u16 {
         self.0.unsigned_abs()
@@ -90,8 +75,8 @@ fn main() -> ! {
         // SAFETY: priorities are set before the interrupts are enabled.
         unsafe { core.NVIC.set_priority(Vector(interrupt), priority) };
     }
-    let render = RENDERER.start(Spare::Renderer);
-    let link = LINK.start(Spare::Link);
+    let render = RENDERER.start(Vector(RENDERER_INTERRUPT));
+    let link = LINK.start(Vector(LINK_INTERRUPT));
     for interrupt in [TIMER0_INTERRUPT, UART0_RECEIVE, UART1_RECEIVE] {
         // SAFETY: the handlers use statics only.
         unsafe { NVIC::unmask(Vector(interrupt)) };

@@ -11,7 +11,8 @@
 //! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
 //!
 //! - `main.rs`, `device.rs`, `cmsdk.rs`: the application on the emulated machine. Tests: `tests/tests/qemu.rs`
-//! - `bin/bench/`: the program that counts cycles
+//!
+//! The program that counts cycles is a benchmark: `firmware/qemu/benches/cycles/`.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 

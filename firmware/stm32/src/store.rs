@@ -61,13 +61,8 @@ impl Store {
 }
 
 impl FlashPages for Store {
-    fn slot_len(&self) -> usize {
-        board::SLOT_BYTES
-    }
-
-    fn profile_slot_len(&self) -> usize {
-        let [(_, a), (_, b)] = board::PROFILE_SLOTS;
-        a.min(b)
+    fn slot_len(&self, slot: FlashSlot) -> usize {
+        Self::slot(slot).1
     }
 
     fn endurance(&self) -> u32 {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use slipline_link::protocol::command::TableHeader;
-use slipline_link::protocol::event::{Identity, Status};
+use slipline_link::protocol::event::{Counters, Identity, Status};
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{Port, Snapshot};
 use std::fmt::Debug;
@@ -222,17 +222,10 @@ impl TableInfo {
 
 impl CountersInfo {
     fn of(status: &Status) -> Self {
-        let counters = &status.counters;
-        Self {
-            frames: counters.frames,
-            crc_errors: counters.crc_errors,
-            overlong: counters.overlong,
-            duplicates: counters.duplicates,
-            dropped: counters.dropped,
-            underruns: counters.underruns,
-            clipped_samples: counters.clips,
-            max_cycles: counters.max_cycles,
-        }
+        let Counters { frames, crc_errors, overlong, duplicates, dropped, underruns, clips, max_cycles } =
+            status.counters;
+        let clipped_samples = clips;
+        Self { frames, crc_errors, overlong, duplicates, dropped, underruns, clipped_samples, max_cycles }
     }
 }
 

@@ -104,23 +104,18 @@ fn longest_drive_s() -> f64 {
     f64::from(MAX_DRIVE_MS) / 1000.0
 }
 
-/// A number in the protocol's unit, of which `per` make one; within the range in that unit.
-fn scaled(field: &'static str, got: f64, per: f64, (min, max): (u64, u64)) -> Result<u64, ProfileFileError> {
-    let (min, max) = (min as f64, max as f64);
+/// The device's number of a value, `per` times as large, if it is between the device's limits.
+fn scaled<T: Copy + Into<u64> + TryFrom<u64>>(
+    field: &'static str,
+    got: f64,
+    per: f64,
+    (min, max): (T, T),
+) -> Result<T, ProfileFileError> {
+    let (min, max) = (min.into() as f64, max.into() as f64);
     let value = (got * per).round();
-    if value.is_finite() && (min..=max).contains(&value) {
-        return Ok(value as u64);
-    }
-    Err(ProfileFileError::OutOfRange { field, got, min: min / per, max: max / per })
-}
-
-fn range<T: Into<u64> + Copy>((min, max): (T, T)) -> (u64, u64) {
-    (min.into(), max.into())
-}
-
-/// A number of 32 bits at most.
-fn narrow<T: TryFrom<u64>>(value: u64) -> Result<T, ProfileFileError> {
-    T::try_from(value).map_err(|_| ProfileFileError::Toml("a number is too large".to_owned()))
+    let number = Some(value as u64).filter(|_| (min..=max).contains(&value));
+    let number = number.and_then(|number| T::try_from(number).ok());
+    number.ok_or(ProfileFileError::OutOfRange { field, got, min: min / per, max: max / per })
 }
 
 /// Fields of which a profile's file names one at least, but for its name; files of other kinds name none.
@@ -142,45 +137,27 @@ pub fn read(text: &str) -> Result<ActuatorProfile, ProfileFileError> {
     let bytes = fields.name.len();
     let name = Some(fields.name.as_str()).filter(|name| !name.is_empty());
     let name = name.and_then(|name| name.try_into().ok()).ok_or(ProfileFileError::Name(bytes))?;
+    let Fields { max_sum, max_rise_db, longest_drive_s, coil, .. } = fields;
     let travel = fields.travel.map(|travel| {
         Ok(TravelLimit {
             resonance_uhz: scaled("travel.resonance_hz", travel.resonance_hz, 1e6, RESONANCE_UHZ)?,
-            quality_per_mille: narrow(scaled(
-                "travel.quality",
-                travel.quality,
-                1e3,
-                range(QUALITY_PER_MILLE),
-            )?)?,
-            static_ppm: narrow(scaled(
-                "travel.static_travel",
-                travel.static_travel,
-                1e6,
-                range(STATIC_TRAVEL_PPM),
-            )?)?,
+            quality_per_mille: scaled("travel.quality", travel.quality, 1e3, QUALITY_PER_MILLE)?,
+            static_ppm: scaled("travel.static_travel", travel.static_travel, 1e6, STATIC_TRAVEL_PPM)?,
         })
     });
-    let rise = scaled("max_rise_db", fields.max_rise_db, 1e2, (0, MAX_RISE_CDB.unsigned_abs().into()))?;
+    let rise: u16 = scaled("max_rise_db", max_rise_db, 1e2, (0, MAX_RISE_CDB.unsigned_abs()))?;
+    let drives_ms = (MIN_DRIVE_MS, MAX_DRIVE_MS);
     Ok(ActuatorProfile {
         name,
-        max_sum_per_mille: narrow(scaled("max_sum", fields.max_sum, 1e3, range(PROFILE_SUM_PER_MILLE))?)?,
+        max_sum_per_mille: scaled("max_sum", max_sum, 1e3, PROFILE_SUM_PER_MILLE)?,
         travel: travel.transpose()?,
         heat: CoilHeat {
-            winding_ms: narrow(scaled("coil.winding_s", fields.coil.winding_s, 1e3, range(COIL_TIME_MS))?)?,
-            body_ms: narrow(scaled("coil.body_s", fields.coil.body_s, 1e3, range(COIL_TIME_MS))?)?,
-            full_sine_per_mille: narrow(scaled(
-                "coil.full_sine",
-                fields.coil.full_sine,
-                1e3,
-                range(FULL_SINE_PER_MILLE),
-            )?)?,
+            winding_ms: scaled("coil.winding_s", coil.winding_s, 1e3, COIL_TIME_MS)?,
+            body_ms: scaled("coil.body_s", coil.body_s, 1e3, COIL_TIME_MS)?,
+            full_sine_per_mille: scaled("coil.full_sine", coil.full_sine, 1e3, FULL_SINE_PER_MILLE)?,
         },
-        max_rise: CentiDecibel(narrow::<u16>(rise)?.cast_signed()),
-        max_drive_ms: narrow(scaled(
-            "longest_drive_s",
-            fields.longest_drive_s,
-            1e3,
-            range((MIN_DRIVE_MS, MAX_DRIVE_MS)),
-        )?)?,
+        max_rise: CentiDecibel(rise.cast_signed()),
+        max_drive_ms: scaled("longest_drive_s", longest_drive_s, 1e3, drives_ms)?,
         has_stop_input: fields.stop_input,
     })
 }
@@ -188,8 +165,14 @@ pub fn read(text: &str) -> Result<ActuatorProfile, ProfileFileError> {
 /// Writes a profile as such a file.
 #[must_use]
 pub fn write(profile: &ActuatorProfile) -> String {
+    toml::to_string(&fields(profile)).unwrap_or_default()
+}
+
+/// The values of a profile, with the names and in the units of such a file.
+#[must_use]
+pub fn fields(profile: &ActuatorProfile) -> impl Serialize + use<> {
     let heat = &profile.heat;
-    let fields = Fields {
+    Fields {
         name: profile.name.as_str().to_owned(),
         max_sum: f64::from(profile.max_sum_per_mille) / 1e3,
         max_rise_db: f64::from(profile.max_rise.0) / 1e2,
@@ -205,8 +188,7 @@ pub fn write(profile: &ActuatorProfile) -> String {
             quality: f64::from(travel.quality_per_mille) / 1e3,
             static_travel: f64::from(travel.static_ppm) / 1e6,
         }),
-    };
-    toml::to_string(&fields).unwrap_or_default()
+    }
 }
 
 #[cfg(test)]

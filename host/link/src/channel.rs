@@ -7,6 +7,7 @@
 //! once. An unanswered keep-alive is replaced by a new one, because a repeated one does not reset the
 //! dead-man.
 
+use crate::snapshot::LinkCounters;
 use crate::trace::{FRAMES, TracedFrame, TracedMessage};
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
@@ -69,15 +70,6 @@ pub(crate) enum Reply {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RetriesExhausted;
 
-/// Counters of a channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct ChannelCounters {
-    pub(crate) commands: u32,
-    pub(crate) retries: u32,
-    pub(crate) timeouts: u32,
-    pub(crate) unmatched: u32,
-}
-
 #[derive(Clone, Debug)]
 struct Pending {
     command: Command,
@@ -89,7 +81,7 @@ struct Pending {
 }
 
 /// The host's half of one session.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Channel {
     nonce: [u8; 4],
     /// The session's number on the wire: 0 until the header of the device's hello has stated it.
@@ -108,7 +100,7 @@ pub(crate) struct Channel {
     keeps_frames: bool,
     /// The frames since the last call of [`Channel::take_traced`].
     traced: Vec<TracedFrame>,
-    counters: ChannelCounters,
+    counters: LinkCounters,
 }
 
 impl Channel {
@@ -117,23 +109,15 @@ impl Channel {
     pub(crate) fn new(nonce: [u8; 4], keeps_frames: bool) -> Self {
         Self {
             nonce,
-            session: 0,
-            minor: Minor::FIRST,
             // A session's first numbered command has number 1.
             sequence: 1,
-            keep_alives: 0,
             // Each session begins at another number, so that a reply to an earlier hello is not taken for one
             // to this hello.
             unsequenced_number: u16::from_le_bytes([nonce[0], nonce[1]]),
-            urgent: None,
-            periodic: None,
-            ordered: None,
-            decoder: Decoder::new(),
             // Ends a frame that an earlier host left unfinished, so that the hello need not be sent twice.
             out: vec![0],
             keeps_frames,
-            traced: Vec::new(),
-            counters: ChannelCounters::default(),
+            ..Self::default()
         }
     }
 
@@ -163,7 +147,7 @@ impl Channel {
     }
 
     /// The counters of this channel.
-    pub(crate) const fn counters(&self) -> ChannelCounters {
+    pub(crate) const fn counters(&self) -> LinkCounters {
         self.counters
     }
 

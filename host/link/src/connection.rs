@@ -340,11 +340,9 @@ impl<O: Opener> Connection<O> {
                 Ok(0) => return Next::Lose(LinkError::Gone),
                 Ok(count) => {
                     let bytes = buffer.get(..count).unwrap_or_default();
-                    match open.queue.receive(bytes, &mut self.recorder, now) {
-                        Next::Continue => {}
-                        verdict @ (Next::Close | Next::EnterBootloader(..) | Next::Lose(_)) => {
-                            return verdict;
-                        }
+                    let verdict = open.queue.receive(bytes, &mut self.recorder, now);
+                    if verdict != Next::Continue {
+                        return verdict;
                     }
                 }
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
@@ -360,11 +358,9 @@ impl<O: Opener> Connection<O> {
         if let Some(driver) = &mut self.driver {
             driver.watch(&mut open.queue, &mut self.recorder, now);
         }
-        match open.queue.send_due(&mut self.recorder, now) {
-            Next::Continue => {}
-            verdict @ (Next::Close | Next::EnterBootloader(..) | Next::Lose(_)) => {
-                return verdict;
-            }
+        let verdict = open.queue.send_due(&mut self.recorder, now);
+        if verdict != Next::Continue {
+            return verdict;
         }
         self.recorder.count(open.queue.channel());
         let output = open.queue.output();

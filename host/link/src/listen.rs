@@ -2,7 +2,7 @@
 
 use slipline_protocol::limits::{BLOCK, MAX_TONES};
 pub use slipline_protocol::listen::WindowShape;
-use slipline_protocol::listen::{self, CaptureWindow, ListenWindow};
+use slipline_protocol::listen::{self, ListenWindow};
 use slipline_protocol::units::SampleIndex;
 
 /// Codes of an input on each side of mid-scale.
@@ -78,24 +78,7 @@ impl Listened {
 
 /// Captures the codes of an input. It ends when all values have arrived, with
 /// [`Outcome::Captured`](crate::Outcome::Captured). A newer request replaces one under way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct CaptureRequest {
-    /// The first code's index; `None`: the next block's first.
-    pub from: Option<SampleIndex>,
-    /// The input, from 0.
-    pub input: u8,
-    /// Binary logarithm of the number of codes that are summed to a value, 0..=10.
-    pub log2_codes: u8,
-    /// Number of values, 1..=4096.
-    pub values: u16,
-}
-
-impl CaptureRequest {
-    pub(crate) const fn window(&self) -> CaptureWindow {
-        let Self { from, input, log2_codes, values } = *self;
-        CaptureWindow { from, input, log2_codes, values }
-    }
-}
+pub use slipline_protocol::listen::CaptureWindow as CaptureRequest;
 
 /// Captured codes of an input.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -23,7 +23,6 @@ use slipline_app::dds::lock_in;
 use slipline_app::mailbox::Mailbox;
 use slipline_app::planning::chord::ChordTones;
 use slipline_app::planning::plan::Planner;
-use slipline_app::planning::ramp::RampShape;
 use slipline_app::slots::TableRef;
 use slipline_app::{Renderer, Timing};
 use slipline_protocol::table::Knot;
@@ -86,7 +85,6 @@ pub struct Mirror {
     timing: Timing,
     mailbox: Box<Mailbox<CriticalSectionRawMutex>>,
     renderer: Renderer,
-    shape: RampShape,
     table: TableRef,
     changes: VecDeque<(SampleIndex, Scheduled)>,
     /// The thermal limits that will come into force, per mille, and the latest reported one.
@@ -110,7 +108,6 @@ impl Mirror {
             timing,
             mailbox,
             renderer,
-            shape: RampShape::new(),
             table: TableRef::default(),
             changes: VecDeque::new(),
             limits: VecDeque::new(),
@@ -257,12 +254,8 @@ impl Mirror {
     fn apply(&mut self, change: Scheduled) {
         let at = self.now();
         let view = self.mailbox.view();
-        let mut planner = Planner {
-            slots: self.mailbox.slots(),
-            shape: &self.shape,
-            timing: &self.timing,
-            is_stopped: &mut || false,
-        };
+        let mut planner =
+            Planner { slots: self.mailbox.slots(), timing: &self.timing, is_stopped: &mut || false };
         let planned = match change {
             Scheduled::Stop(stop) => {
                 self.mailbox.stop(stop);

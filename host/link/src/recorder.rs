@@ -189,6 +189,12 @@ impl Recorder {
         self.finish_unlogged(ticket, outcome);
     }
 
+    /// Takes a report, with which the request for it is done.
+    pub(crate) fn take(&mut self, ticket: Option<Ticket>, report: impl FnOnce(&mut Self)) {
+        report(self);
+        self.finish(ticket, Outcome::Done { at: 0 });
+    }
+
     /// As [`Recorder::finish`], without a log entry: the caller retries, or reports the refusal itself.
     pub(crate) fn finish_unlogged(&mut self, ticket: Option<Ticket>, outcome: Outcome) {
         if let Outcome::Refused(refusal) = &outcome
@@ -350,11 +356,8 @@ impl Recorder {
         }
         let sent = channel.counters();
         let before = (self.view.link.counters, self.view.link.decoder);
-        let counters = &mut self.view.link.counters;
-        counters.commands = sent.commands;
-        counters.retries = sent.retries;
-        counters.timeouts = sent.timeouts;
-        counters.unmatched = sent.unmatched;
+        let LinkCounters { superseded, dropped, .. } = self.view.link.counters;
+        self.view.link.counters = LinkCounters { superseded, dropped, ..sent };
         self.view.link.decoder = channel.decoder();
         self.changed |= before != (self.view.link.counters, self.view.link.decoder);
     }

@@ -11,7 +11,7 @@ use crate::trace::TracedFrame;
 use crate::upkeep;
 use slipline_protocol::Command;
 use slipline_protocol::board::BoardReport;
-use slipline_protocol::command::{TravelLimit, TravelSetting};
+use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::{
     AcceptedUntil, Fault, Faults, Identity, Maintenance, ProfileReport, State, Status, TableReport,
     TriggerReport, Wear,
@@ -253,24 +253,23 @@ impl Snapshot {
         self.is_simulated() && !self.link.observes_only
     }
 
+    /// Whether the device's firmware knows the command of this name; older firmware may not.
+    fn knows(&self, command: &str) -> bool {
+        let since = Command::TABLE.iter().find(|row| row.name == command).map_or(u8::MAX, |row| row.since);
+        let identity = self.device.identity.as_ref();
+        identity.is_some_and(|identity| Version::OURS.shared_minor(identity.version).has(since))
+    }
+
     /// Whether the device's firmware can limit the actuator's travel; older firmware cannot.
     #[must_use]
     pub fn can_limit_travel(&self) -> bool {
-        let setting = Command::SetTravelLimit(TravelSetting::default());
-        self.device
-            .identity
-            .as_ref()
-            .is_some_and(|identity| Version::OURS.shared_minor(identity.version).has(setting.since()))
+        self.knows("SetTravelLimit")
     }
 
     /// Whether the device's firmware can play chords; older firmware cannot.
     #[must_use]
     pub fn can_play_chords(&self) -> bool {
-        let since = Command::TABLE.iter().find(|row| row.name == "Chord").map_or(u8::MAX, |row| row.since);
-        self.device
-            .identity
-            .as_ref()
-            .is_some_and(|identity| Version::OURS.shared_minor(identity.version).has(since))
+        self.knows("Chord")
     }
 
     /// Whether a drive can wait for the device's trigger input; `None` with a device of protocol 1.1 or 1.2, which does not

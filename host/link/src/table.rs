@@ -11,7 +11,7 @@ use slipline_protocol::command::{TableChunk, TableHeader, TravelLimit};
 use slipline_protocol::limits::{self, CHUNK_KNOTS};
 use slipline_protocol::refusal::Refusal;
 use slipline_protocol::table::{self, Knot, Setting};
-use slipline_protocol::units::{FinePosition, Gain, Level, Position, per_mille};
+use slipline_protocol::units::{FinePosition, Gain, Level, Position};
 
 /// A table that a device accepts: valid by the device's own rule.
 ///
@@ -246,11 +246,7 @@ impl DeviceTable {
             let gain = self.setting(self.position(boundary_m)?.fine()).gain;
             Some(u64::from(gain.times(Gain::FULL.scaled(self::level(level)?)).0))
         };
-        let sum = tones.iter().filter_map(amplitude).sum();
-        if sum > u64::from(Gain::FULL.0) {
-            return Err(Refusal::Headroom { sum_per_mille: per_mille(sum) });
-        }
-        Ok(())
+        Refusal::check_sum(tones.iter().filter_map(amplitude).sum(), Gain::FULL)
     }
 
     /// The frequency the device plays for a boundary at this position, in Hz.

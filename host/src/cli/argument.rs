@@ -171,6 +171,12 @@ impl Typed<f64> {
         }
         Err(Failure::outside(option, &self.text, range, measure, more))
     }
+
+    /// The place of a sensor on a plate, metres.
+    pub(super) fn of_sensor(&self, plate: &Plate) -> Result<f64, Failure> {
+        let on_plate = Range::new(0.0, plate.length_m(), "m");
+        self.within("--sensor", on_plate, Measure::Length, ", on the plate")
+    }
 }
 
 impl PlaceArgument {

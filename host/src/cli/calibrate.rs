@@ -8,7 +8,7 @@ use super::failure::Failure;
 use super::feeling::FeelingArgument;
 use super::known_drive::KnownDriveArgument;
 use super::measured_file::{SensorArgument, current_of, measurements};
-use super::measuring::{BandArgument, ByDevice, at_places, current, place_on};
+use super::measuring::{BandArgument, ByDevice, at_places, current};
 use super::rig::PortArgument;
 use super::touch::{TouchArgument, touch};
 use super::{progress, sensor_places};
@@ -202,7 +202,7 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
 fn asked_places(nominal: &Plate, sensor: &SensorArgument) -> Result<Option<[f64; 2]>, Failure> {
     match &sensor.places[..] {
         [] => Ok(None),
-        [near, far] => Ok(Some([place_on(nominal, near)?, place_on(nominal, far)?])),
+        [near, far] => Ok(Some([near.of_sensor(nominal)?, far.of_sensor(nominal)?])),
         places => {
             let given = format_args!("{} --sensor with --plan", places.len());
             Err(Failure::Usage(must_be(given, "none or 2: both places of the sensor")))

@@ -25,40 +25,20 @@ const SETTINGS: &str = "port = \"NAME\" or plate = \"NAME\", with the quotation 
 const PORT: (&str, &str, &str) = ("port", "SLIPLINE_PORT", "sim");
 const PLATE: (&str, &str, &str) = ("plate", "SLIPLINE_PLATE", "membrane");
 
-/// Where a value is from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Origin {
-    Option,
-    Environment,
-    SettingsFile,
-    BuiltIn,
-}
-
-impl Origin {
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Option => "option",
-            Self::Environment => "environment",
-            Self::SettingsFile => "settings file",
-            Self::BuiltIn => "built-in",
-        }
-    }
-}
-
 /// A default and where it is from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Chosen {
     pub(super) value: String,
-    pub(super) from: Origin,
+    pub(super) from: &'static str,
 }
 
 impl Chosen {
     pub(super) fn value(&self) -> Value {
-        json!({ "value": self.value, "from": self.from.name() })
+        json!({ "value": self.value, "from": self.from })
     }
 
     pub(super) fn words(&self) -> String {
-        format!("{} ({})", self.value, self.from.name())
+        format!("{} ({})", self.value, self.from)
     }
 }
 
@@ -108,12 +88,12 @@ fn chosen(
         Err(why) => Err(Failure::Usage(format!("{place} = {value:?}: {why}"))),
     };
     if let Some(value) = var(variable).ok().filter(|text| !text.is_empty()) {
-        return usable(value, variable, Origin::Environment);
+        return usable(value, variable, "environment");
     }
     let place = format!("{}: {name}", file.map_or(String::new(), |file| file.display().to_string()));
     match settings.as_ref().map_err(Clone::clone)?.get(name) {
-        None => Ok(Chosen { value: built_in.to_owned(), from: Origin::BuiltIn }),
-        Some(toml::Value::String(text)) => usable(text.clone(), &place, Origin::SettingsFile),
+        None => Ok(Chosen { value: built_in.to_owned(), from: "built-in" }),
+        Some(toml::Value::String(text)) => usable(text.clone(), &place, "settings file"),
         Some(value) => Err(Failure::Usage(format!("{place} = {value}: write a text in quotes"))),
     }
 }

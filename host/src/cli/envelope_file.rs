@@ -26,18 +26,11 @@ enum EnvelopeFile {
     Figure(FigureFile),
 }
 
-/// The form of a file that may be written.
-#[derive(Debug)]
-pub(super) enum Form {
-    Csv,
-    Figure(FigureFile),
-}
-
-/// A file that may be written.
+/// A file that may be written: the figure, or CSV where there is none.
 #[derive(Debug)]
 pub(super) struct EnvelopeDestination {
     pub(super) destination: Destination,
-    pub(super) form: Form,
+    pub(super) figure: Option<FigureFile>,
 }
 
 fn envelope_file(text: &str) -> Result<EnvelopeFile, String> {
@@ -60,11 +53,11 @@ impl EnvelopeArgument {
         let csv = self.csv.iter().map(|path| EnvelopeFile::Csv(path.clone()));
         let figure = self.figure.iter().map(|figure| EnvelopeFile::Figure(figure.clone()));
         for file in csv.chain(figure).chain(self.out.iter().cloned()) {
-            let (destination, form) = match file {
-                EnvelopeFile::Csv(path) => (Destination::new(&path, may_replace)?, Form::Csv),
-                EnvelopeFile::Figure(figure) => (figure.destination(may_replace)?, Form::Figure(figure)),
+            let (destination, figure) = match file {
+                EnvelopeFile::Csv(path) => (Destination::new(&path, may_replace)?, None),
+                EnvelopeFile::Figure(figure) => (figure.destination(may_replace)?, Some(figure)),
             };
-            files.push(EnvelopeDestination { destination, form });
+            files.push(EnvelopeDestination { destination, figure });
         }
         let is_twice = |(number, file): (usize, &EnvelopeDestination)| {
             files.iter().take(number).any(|before| before.destination.is(&file.destination))

@@ -4,7 +4,6 @@ use super::argument::{self, Typed};
 use super::device::Device;
 use super::failure::Failure;
 use super::input_lines::Wake;
-use super::measuring::place_on;
 use super::output;
 use super::rig::PortArgument;
 use clap::Args;
@@ -48,7 +47,7 @@ impl HoldArgument {
             return port.rig(Some(plate));
         }
         let place_m = match &self.sensor {
-            Some(place) => place_on(plate, place)?,
+            Some(place) => place.of_sensor(plate)?,
             None => SENSOR_SHARE * plate.length_m(),
         };
         port.rig_with_sensor(plate, &RigOptions { place_m, ..RigOptions::default() })

@@ -1,6 +1,6 @@
 //! `slipline ports` and `slipline info`.
 
-use super::defaults::{Chosen, Origin, defaults};
+use super::defaults::{Chosen, defaults};
 use super::device::Device;
 use super::failure::Failure;
 use super::output;
@@ -36,17 +36,9 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
     let port = &argument.port()?;
     let device = Device::observe(port, argument.rig(None)?.as_ref())?;
     let snapshot = device.snapshot();
-    let compatibility = snapshot.device.compatibility.map_or("", |compatibility| compatibility.sentence());
-    let identity = snapshot.device.identity.as_deref();
-    let status = snapshot.drive.status;
-    let maintenance = snapshot.device.maintenance.as_ref();
-    let inputs = snapshot.device.inputs.as_ref();
-    let board = snapshot.device.board.as_ref();
-    let table = snapshot.table.report.active;
-    let firmware = identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2));
     let round_trip_s = snapshot.link.round_trip.average.as_secs_f64();
     let defaults = defaults();
-    let option = Chosen { value: port.to_string(), from: Origin::Option };
+    let option = Chosen { value: port.to_string(), from: "option" };
     let of_port = if argument.is_given() { option } else { defaults.port.clone()? };
     let settings_file = defaults.file.as_ref().map(|file| file.display().to_string());
     let mut value = json!(DeviceInfo::of(port, &snapshot));
@@ -59,9 +51,10 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
     output::print(as_json, &value, |out| {
         let mut lines = vec![("Port", of_port.words()), ("Default plate", plate)];
         lines.extend(settings_file.map(|file| ("Settings file", file)));
-        if let Some(it) = identity {
+        if let Some(it) = snapshot.device.identity.as_deref() {
             lines.push(("Board", it.board.to_string()));
-            lines.push(("Firmware", format!("{} ({})", firmware.unwrap_or_default(), it.build)));
+            let (major, minor, patch) = it.firmware;
+            lines.push(("Firmware", format!("{major}.{minor}.{patch} ({})", it.build)));
             lines.push(("Protocol", format!("{}.{}", it.version.major, it.version.minor)));
             lines.push(("Unit", snapshot.unit().unwrap_or_default()));
             let rate = f64::from(it.sample_rate_hz) / 1e3;
@@ -70,7 +63,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
             lines.push(("Last reset", words(&it.reset)));
             lines.push(("Kept in flash", words(&it.stored)));
         }
-        if let Some(it) = maintenance {
+        if let Some(it) = &snapshot.device.maintenance {
             lines.push(("Flash erased", upkeep::wear(it)));
             lines.push(("Brown-out level", upkeep::brown_out_level(it).to_owned()));
             lines.extend(upkeep::before_arming(it).map(|warning| ("Warning", warning.to_owned())));
@@ -79,7 +72,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         if let Some(it) = &snapshot.device.wear {
             lines.push(("Profile's flash erased", upkeep::profile_wear(it)));
         }
-        if let Some(it) = board {
+        if let Some(it) = &snapshot.device.board {
             lines.extend(upkeep::user_button(it).map(|state| ("User button", state.to_owned())));
             lines.extend(upkeep::stop_input(it).map(|state| ("Stop input", state.to_owned())));
             lines.extend(upkeep::muted_for_good(it).map(|warning| ("Warning", warning.to_owned())));
@@ -88,9 +81,9 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
             let name = it.profile.as_ref().map_or("none", |profile| profile.name.as_str());
             lines.push(("Actuator profile", name.to_owned()));
         }
-        lines.extend(inputs.map(|it| ("Inputs", slipline_link::upkeep::inputs(it))));
-        lines.push(("Versions", compatibility.to_owned()));
-        if let Some(it) = status {
+        lines.extend(snapshot.device.inputs.iter().map(|it| ("Inputs", upkeep::inputs(it))));
+        lines.push(("Versions", snapshot.device.compatibility.map_or("", |it| it.sentence()).to_owned()));
+        if let Some(it) = snapshot.drive.status {
             lines.push(("State", words(&it.state)));
             lines.push(("Faults", snapshot.faults_text(it.faults)));
             if it.counters.max_cycles > 0 {
@@ -102,7 +95,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
                 lines.extend(warning.map(|warning| ("Warning", warning)));
             }
         }
-        let table = table.map_or_else(
+        let table = snapshot.table.report.active.map_or_else(
             || "none".to_owned(),
             |it| {
                 let (start, end) = slipline_link::span_m(&it);

@@ -6,7 +6,7 @@ use super::device::ArmingArgument;
 use super::failure::Failure;
 use super::known_drive::KnownDriveArgument;
 use super::measured_file::kind;
-use super::measuring::{BandArgument, ByDevice, place_on};
+use super::measuring::{BandArgument, ByDevice};
 use super::output;
 use super::rig::PortArgument;
 use argument::Typed;
@@ -93,7 +93,7 @@ pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Fai
     let sensor = match (&arguments.sensor, arguments.input) {
         (_, Input::Current) => current_sensor(),
         (Some(place), Input::Sensor) => {
-            Sensor { place_m: place_on(&plate, place)?, kind: arguments.kind, input: 0 }
+            Sensor { place_m: place.of_sensor(&plate)?, kind: arguments.kind, input: 0 }
         }
         (None, Input::Sensor) => {
             return Err(Failure::usage("--sensor PLACE is missing: the sensor's place, from the driven end"));

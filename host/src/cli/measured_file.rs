@@ -10,11 +10,11 @@ use slipline_instrument::measured_file::{
     BYTES_MAX, ForeignError, ForeignMetadata, OpenError, Opened, RecordingMetadata, measurement, recorded,
 };
 use slipline_model::answer::calibrate::FileReadAnswer;
-use slipline_model::wav::Wav;
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{FileError, Foreign, Measurement, SNR, SNR_DB, SensorKind, band_hz};
-use slipline_plate::quantity::{Measure, QuantityError, Range, must_be, only, plain};
+use slipline_plate::calibrate::{FileError, Measurement, SNR, SNR_DB, SensorKind, band_hz};
+use slipline_plate::quantity::{Measure, QuantityError, must_be, only, plain};
 use slipline_plate::text_table::{Chosen, chosen};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// Properties that a file of another program does not state.
@@ -109,38 +109,24 @@ pub(super) fn measurements(
 ) -> Result<(Vec<Measurement>, Vec<FileReadAnswer>), Failure> {
     let opened = files.iter().enumerate().map(|(at, path)| read(path, sensor, at, files.len()));
     let opened = opened.collect::<Result<Vec<_>, Failure>>()?;
-    let mut understood = Vec::new();
     let recordings = opened.iter().filter(|file| matches!(file, Opened::Recording(_))).count();
     if recordings == 0 && !(sensor.recording.played.is_empty() && sensor.recording.channels.is_empty()) {
         let why = "--played and --channel describe recordings, but no file of --data is a recording";
         return Err(Failure::usage(why));
     }
     let mut places = sensor.places.iter();
-    let mut numbers = 0..;
-    let read = files.iter().zip(opened).map(|(path, opened)| {
-        let mut place = |what: &str| {
+    let mut files_read = FilesRead { plate, sensor, recordings: (0, recordings), understood: Vec::new() };
+    let measured = files.iter().zip(opened).map(|(path, opened)| {
+        let stated = |what: &str| {
             let why = format_args!("{what}: state its sensor's place with --sensor PLACE");
             let place = places.next().ok_or_else(|| Failure::of_file(path, why))?;
-            let on_plate = Range::new(0.0, plate.length_m(), "m");
-            place.within("--sensor", on_plate, Measure::Length, ", on the plate")
+            Ok((place.of_sensor(plate)?, sensor.kind))
         };
-        match opened {
-            Opened::Own(measurement) => Ok(measurement),
-            Opened::Foreign(foreign) => {
-                understood.push(report(plate, &foreign, path));
-                foreign_measurement(plate, &foreign, place("by another program")?, sensor, path)
-            }
-            Opened::Recording(wav) => {
-                let number = numbers.next().unwrap_or_default();
-                let (sweep, channel) = sensor.recording.sweep(path, number, recordings)?;
-                let stated = RecordingMetadata { place_m: place("a recording")?, kind: sensor.kind, channel };
-                recorded_measurement(plate, &wav, &sweep, &stated, path)
-            }
-        }
+        files_read.measured(path, opened, stated)
     });
-    let read = read.collect::<Result<Vec<_>, Failure>>()?;
+    let measured = measured.collect::<Result<Vec<_>, Failure>>()?;
     match places.count() {
-        0 => Ok((read, understood)),
+        0 => Ok((measured, files_read.understood)),
         more => {
             let given = format_args!("{} --sensor", sensor.places.len());
             let allowed = sensor.places.len() - more;
@@ -156,22 +142,55 @@ pub(super) fn current_of(
     path: &Path,
     sensor: &SensorArgument,
 ) -> Result<(Measurement, Vec<FileReadAnswer>), Failure> {
-    let mut understood = Vec::new();
-    let measured = match read(path, sensor, 0, 1)? {
-        Opened::Own(measurement) => Ok(measurement),
-        Opened::Foreign(foreign) => {
-            understood.push(report(plate, &foreign, path));
-            let stated =
-                ForeignMetadata { place_m: 0.0, kind: Some(SensorKind::Displacement), snr_db: sensor.snr };
-            measurement(plate, &foreign, &stated).map_err(|error| Failure::of_file(path, error))
+    let opened = read(path, sensor, 0, 1)?;
+    let mut files_read = FilesRead { plate, sensor, recordings: (0, 1), understood: Vec::new() };
+    let measured = files_read.measured(path, opened, |_| Ok((0.0, Some(SensorKind::Displacement))))?;
+    Ok((measured, files_read.understood))
+}
+
+/// The files that are read for a plate, with what was understood of those by other programs.
+struct FilesRead<'a> {
+    plate: &'a Plate,
+    sensor: &'a SensorArgument,
+    /// How many recordings have been read, and how many there are.
+    recordings: (usize, usize),
+    understood: Vec<FileReadAnswer>,
+}
+
+impl FilesRead<'_> {
+    /// The measurement of an opened file. `stated` returns the place and the kind of the sensor of a file that names no place;
+    /// its argument is what such a file is. What is read of it is printed to stderr before it is used.
+    fn measured(
+        &mut self,
+        path: &Path,
+        opened: Opened,
+        stated: impl FnOnce(&str) -> Result<(f64, Option<SensorKind>), Failure>,
+    ) -> Result<Measurement, Failure> {
+        let note = |note: &dyn Display| output::note(format_args!("slipline: {}: {note}", path.display()));
+        match opened {
+            Opened::Own(measurement) => Ok(measurement),
+            Opened::Foreign(foreign) => {
+                let read = foreign.read(band_hz(self.plate));
+                note(&read);
+                self.understood.push(FileReadAnswer { file: path.display().to_string(), read });
+                let (place_m, kind) = stated("by another program")?;
+                let stated =
+                    ForeignMetadata { place_m, kind: kind.or(foreign.sensor), snr_db: self.sensor.snr };
+                measurement(self.plate, &foreign, &stated).map_err(|error| untold(path, &error))
+            }
+            Opened::Recording(wav) => {
+                let (number, count) = self.recordings;
+                self.recordings.0 += 1;
+                let (sweep, channel) = self.sensor.recording.sweep(path, number, count)?;
+                let (place_m, kind) = stated("a recording")?;
+                let (measurement, notes) =
+                    recorded(self.plate, &wav, &sweep, &RecordingMetadata { place_m, kind, channel })
+                        .map_err(|error| untold(path, &error))?;
+                notes.iter().for_each(|it| note(it));
+                Ok(measurement)
+            }
         }
-        Opened::Recording(wav) => {
-            let (sweep, channel) = sensor.recording.sweep(path, 0, 1)?;
-            let stated = RecordingMetadata { place_m: 0.0, kind: Some(SensorKind::Displacement), channel };
-            recorded_measurement(plate, &wav, &sweep, &stated, path)
-        }
-    };
-    Ok((measured?, understood))
+    }
 }
 
 /// Opens file `number` of `count`.
@@ -185,40 +204,6 @@ fn read(path: &Path, sensor: &SensorArgument, number: usize, count: usize) -> Re
         let how = "say what they are with --columns, such as --columns frequency=1,level=2:dB,phase=3:deg";
         Failure::of_file(path, format_args!("{unclear}: {how}"))
     })
-}
-
-/// What was read of a file by another program; it is printed before it is used.
-fn report(plate: &Plate, foreign: &Foreign, path: &Path) -> FileReadAnswer {
-    let read = foreign.read(band_hz(plate));
-    output::note(format_args!("slipline: {}: {read}", path.display()));
-    FileReadAnswer { file: path.display().to_string(), read }
-}
-
-/// The measurement of a recording; its notes are printed to stderr.
-fn recorded_measurement(
-    plate: &Plate,
-    wav: &Wav,
-    sweep: &PlayedSweep,
-    stated: &RecordingMetadata,
-    path: &Path,
-) -> Result<Measurement, Failure> {
-    let (measurement, notes) = recorded(plate, wav, sweep, stated).map_err(|error| untold(path, &error))?;
-    for note in notes {
-        output::note(format_args!("slipline: {}: {note}", path.display()));
-    }
-    Ok(measurement)
-}
-
-/// The measurement of a foreign file, completed by the arguments.
-fn foreign_measurement(
-    plate: &Plate,
-    foreign: &Foreign,
-    place_m: f64,
-    sensor: &SensorArgument,
-    path: &Path,
-) -> Result<Measurement, Failure> {
-    let stated = ForeignMetadata { place_m, kind: sensor.kind.or(foreign.sensor), snr_db: sensor.snr };
-    measurement(plate, foreign, &stated).map_err(|error| untold(path, &error))
 }
 
 fn untold(path: &Path, error: &ForeignError) -> Failure {

@@ -17,7 +17,7 @@ use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_model::atomic_file::said;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{DriveCheck, Measurement, SensorKind, check_places};
-use slipline_plate::quantity::{Measure, Range, must_be, show_place};
+use slipline_plate::quantity::{must_be, show_place};
 
 /// The measured frequencies.
 #[derive(Debug, Args)]
@@ -59,12 +59,6 @@ impl FrequenciesArgument {
         let hertz = |typed: &Option<Typed<f64>>| typed.as_ref().map(|typed| typed.value);
         Frequencies { low_hz: hertz(&self.from), high_hz: hertz(&self.to), points: self.points, level }
     }
-}
-
-/// A place on a plate, metres.
-pub(super) fn place_on(plate: &Plate, place: &Typed<f64>) -> Result<f64, Failure> {
-    let on_plate = Range::new(0.0, plate.length_m(), "m");
-    place.within("--sensor", on_plate, Measure::Length, ", on the plate")
 }
 
 /// A device, and its method of measurement.
@@ -152,7 +146,7 @@ pub(super) fn at_places(
     sensor: &SensorArgument,
 ) -> Result<Vec<Measurement>, Failure> {
     let places: Vec<f64> =
-        sensor.places.iter().map(|place| place_on(plate, place)).collect::<Result<_, Failure>>()?;
+        sensor.places.iter().map(|place| place.of_sensor(plate)).collect::<Result<_, Failure>>()?;
     let first = places.first().filter(|_| places.len() <= 2);
     let Some(&place_m) = first else {
         let given = format_args!("{} --sensor with --port", places.len());

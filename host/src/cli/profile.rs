@@ -6,7 +6,7 @@ use super::output;
 use super::rig::PortArgument;
 use super::source::text_of;
 use clap::{Args, Subcommand};
-use serde_json::{Value, json};
+use serde_json::json;
 use slipline_instrument::profile_file;
 use slipline_link::protocol::event::ProfileReport;
 use slipline_link::protocol::profile::ActuatorProfile;
@@ -68,30 +68,10 @@ fn read(file: &Path) -> Result<ActuatorProfile, Failure> {
 fn show(report: &Arc<ProfileReport>, as_json: bool) -> Result<(), Failure> {
     let value = json!({
         "stored": format!("{:?}", report.stored),
-        "profile": report.profile.as_ref().map(value),
+        "profile": report.profile.as_ref().map(profile_file::fields),
     });
     output::print(as_json, &value, |out| match &report.profile {
         Some(profile) => write!(out, "{}", profile_file::write(profile)),
         None => writeln!(out, "The device keeps no profile of its actuator."),
-    })
-}
-
-fn value(profile: &ActuatorProfile) -> Value {
-    json!({
-        "name": profile.name.as_str(),
-        "max_sum": f64::from(profile.max_sum_per_mille) / 1e3,
-        "max_rise_db": f64::from(profile.max_rise.0) / 1e2,
-        "longest_drive_s": f64::from(profile.max_drive_ms) / 1e3,
-        "stop_input": profile.has_stop_input,
-        "coil": {
-            "winding_s": f64::from(profile.heat.winding_ms) / 1e3,
-            "body_s": f64::from(profile.heat.body_ms) / 1e3,
-            "full_sine": f64::from(profile.heat.full_sine_per_mille) / 1e3,
-        },
-        "travel": profile.travel.map(|travel| json!({
-            "resonance_hz": travel.resonance_uhz as f64 / 1e6,
-            "quality": f64::from(travel.quality_per_mille) / 1e3,
-            "static_travel": f64::from(travel.static_ppm) / 1e6,
-        })),
     })
 }

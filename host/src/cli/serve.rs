@@ -3,12 +3,9 @@
 use super::argument::Typed;
 use super::destination::ForceArgument;
 use super::failure::Failure;
-use super::{argument, measured_file};
 #[cfg(unix)]
-use super::{
-    measuring::place_on,
-    rig::{actual_plate, prepared},
-};
+use super::rig::{actual_plate, prepared};
+use super::{argument, measured_file};
 use clap::Args;
 #[cfg(unix)]
 use slipline_instrument::rig::{PreparedRig, RigOptions};
@@ -98,7 +95,7 @@ pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failu
 #[cfg(unix)]
 fn rig(arguments: &ServeArguments, plate: &Plate, sensor: &Typed<f64>) -> Result<PreparedRig, Failure> {
     let truth = arguments.actual_plate.as_deref().map(|text| actual_plate(text, Some(plate))).transpose()?;
-    let place_m = place_on(plate, sensor)?;
+    let place_m = sensor.of_sensor(plate)?;
     let options = RigOptions { place_m, sensor: arguments.kind, ..RigOptions::default() };
     prepared(truth.as_ref().unwrap_or(plate), &options)
 }

@@ -2,7 +2,7 @@
 
 use super::argument::{self, FingerArgument};
 use super::destination::{Destination, ForceArgument};
-use super::envelope_file::{EnvelopeArgument, Form};
+use super::envelope_file::EnvelopeArgument;
 use super::failure::Failure;
 use super::rig::actual_plate;
 use super::schema::with_files;
@@ -68,9 +68,9 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
     let what = if arguments.sheet { "sheet" } else { "plate" };
     let result = progress::watched(what, |progress| planned.run(progress))?;
     for file in &files {
-        match &file.form {
-            Form::Csv => file.destination.write(|out| Ok(csv(&result, out)?))?,
-            Form::Figure(figure) => {
+        match &file.figure {
+            None => file.destination.write(|out| Ok(csv(&result, out)?))?,
+            Some(figure) => {
                 figure.write(&file.destination, &envelope_figure(&result, request.plate.name()))?;
             }
         }

@@ -13,6 +13,7 @@ use slipline_instrument::requests::{NamedFeeling, ToneRequest};
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::asked_place::{AskedPlace, NoSuchTone};
 use slipline_model::field::tone_places::TonePlaces;
+pub(super) use slipline_model::setup::BoundaryMode as PlaceKind;
 use slipline_model::setup::{Setup, ToneSetup};
 use slipline_plate::quantity::{
     Count, Counted, Measure, PlaceOrFrequency, must_be, show_frequency, show_place, show_range,
@@ -85,32 +86,16 @@ impl GoneArgument {
     }
 }
 
-/// Which of its two places defines a tone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum PlaceKind {
-    FeltEdge,
-    TurningPoint,
-}
-
-impl PlaceKind {
-    /// Its word, in options and in lines.
-    pub(super) const fn word(self) -> &'static str {
-        match self {
-            Self::FeltEdge => "felt-edge",
-            Self::TurningPoint => "turning-point",
+/// What is asked for by the place that defines a tone; an error names `option`. A frequency is the tone of this frequency,
+/// whatever its places are.
+fn asked(kind: PlaceKind, at: &PlaceArgument, plate: &Plate, option: &str) -> Result<AskedPlace, Failure> {
+    at.with_unit(plate, option)?;
+    Ok(match (kind, at.value) {
+        (PlaceKind::FeltEdge, PlaceOrFrequency::Place(place_m)) => AskedPlace::FeltEdge(place_m),
+        (PlaceKind::FeltEdge, PlaceOrFrequency::Frequency(_)) | (PlaceKind::TurningPoint, _) => {
+            AskedPlace::TurningPoint(PlaceOrFrequency::Place(at.turning_point_on(plate, option)?))
         }
-    }
-
-    /// What is asked for; an error names `option`. A frequency is the tone of this frequency, whatever its places are.
-    fn of(self, at: &PlaceArgument, plate: &Plate, option: &str) -> Result<AskedPlace, Failure> {
-        at.with_unit(plate, option)?;
-        Ok(match (self, at.value) {
-            (Self::FeltEdge, PlaceOrFrequency::Place(place_m)) => AskedPlace::FeltEdge(place_m),
-            (Self::FeltEdge, PlaceOrFrequency::Frequency(_)) | (Self::TurningPoint, _) => {
-                AskedPlace::TurningPoint(PlaceOrFrequency::Place(at.turning_point_on(plate, option)?))
-            }
-        })
-    }
+    })
 }
 
 /// What is asked of one tone.
@@ -133,13 +118,13 @@ impl TonesArgument {
     pub(super) fn on(&self, plate: &Plate) -> Result<AskedTones, Failure> {
         self.gone.refuse("--felt-edge X")?;
         let feeling = self.feeling.read()?;
-        let asked = |kind: PlaceKind, tone: &ToneArgument| {
-            let asked = kind.of(&tone.at, plate, &format!("{OPTION}{}", kind.word()))?;
+        let tone_of = |kind: PlaceKind, tone: &ToneArgument| {
+            let asked = asked(kind, &tone.at, plate, &format!("{OPTION}{}", kind.word()))?;
             let request = ToneRequest { asked, level: tone.level.unwrap_or(self.level) };
             Ok(AskedTone { request, text: tone.text.clone() })
         };
-        let felt_edges = self.felt_edges.iter().map(|tone| asked(PlaceKind::FeltEdge, tone));
-        let turning_points = self.turning_points.iter().map(|tone| asked(PlaceKind::TurningPoint, tone));
+        let felt_edges = self.felt_edges.iter().map(|tone| tone_of(PlaceKind::FeltEdge, tone));
+        let turning_points = self.turning_points.iter().map(|tone| tone_of(PlaceKind::TurningPoint, tone));
         let tones = felt_edges.chain(turning_points).collect::<Result<Vec<_>, Failure>>()?;
         match tones.len() {
             0 => Err(Failure::usage("name a --felt-edge or a --turning-point")),
@@ -176,7 +161,7 @@ impl AskedTones {
     ) -> Result<Self, Failure> {
         self.allow(places.len(), "places")?;
         for (tone, place) in self.tones.iter_mut().zip(places) {
-            tone.request.asked = kind.of(&place.at, plate, kind.word())?;
+            tone.request.asked = asked(kind, &place.at, plate, kind.word())?;
             tone.request.level = place.level.unwrap_or(tone.request.level);
             tone.text.clone_from(&place.text);
         }

@@ -5,7 +5,7 @@ use super::destination::{Destination, ForceArgument};
 use super::device::ArmingArgument;
 use super::failure::Failure;
 use super::measured_file::kind;
-use super::measuring::{BandArgument, ByDevice, Measurer, place_on};
+use super::measuring::{BandArgument, ByDevice, Measurer};
 use super::output;
 use super::rig::PortArgument;
 use crate::signals::{self, Signal};
@@ -58,7 +58,7 @@ pub struct TrimArguments {
 
 pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failure> {
     let plate = arguments.plate.read()?;
-    let place_m = place_on(&plate, &arguments.sensor)?;
+    let place_m = arguments.sensor.of_sensor(&plate)?;
     SpeedTrim::check(&plate).map_err(Failure::failed)?;
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let options = RigOptions { place_m, sensor: arguments.kind, ..RigOptions::default() };

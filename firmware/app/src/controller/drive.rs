@@ -15,7 +15,7 @@ use crate::mailbox::{Mailbox, NotPublished};
 use crate::motion::Motion;
 use crate::planning::plan::Planner;
 use crate::ports::{FlashPages, StopInput, System, UserButton};
-use crate::range::in_range;
+use crate::range::{in_range, within};
 use crate::safety::faults::FaultLatch;
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
 
@@ -45,8 +45,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         ArmLease { lease_ms }: ArmLease,
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
-        let (least, most) = limits::LEASE_MS;
-        in_range(Field::Lease, least.into(), most.into(), lease_ms.into())?;
+        within(Field::Lease, limits::LEASE_MS, lease_ms)?;
         let ready = self.arm(mailbox)?;
         // In an armed device only the lease restarts: the longest drive counts from the user's own drive.
         mailbox.lease(self.timing.samples(lease_ms));
@@ -72,13 +71,13 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         if faults.is_empty() { Ok(()) } else { Err(Refusal::Faulted { faults }) }
     }
 
-    /// The planner with this device's tables, shape and times.
+    /// The planner with this device's tables and times.
     pub(super) fn planner<'a, M: RawMutex>(
         &'a self,
         mailbox: &'a Mailbox<M>,
         is_stopped: &'a mut dyn FnMut() -> bool,
     ) -> Planner<'a> {
-        Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped }
+        Planner { slots: mailbox.slots(), timing: &self.timing, is_stopped }
     }
 
     /// Never inlined: its motions would lie on the stack under every other command, and under the level hold.
@@ -88,7 +87,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         drive: &Drive,
         is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
-    ) -> Result<Published, Refusal> {
+    ) -> Result<AcceptedUntil, Refusal> {
         self.refuse_unless_drivable(drive.glide, drive.apply, mailbox)?;
         if is_stopped() {
             return Err(Refusal::Busy(Busy::DriveActive));
@@ -114,8 +113,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         self.refuse_unless_drivable(chord.glide, chord.apply, mailbox)?;
-        let planner =
-            Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped };
+        let planner = Planner { slots: mailbox.slots(), timing: &self.timing, is_stopped };
         planner.place_chord(chord, self.active, &mut self.candidate.tones)?;
         refuse_unless_fading(mailbox)?;
         self.candidate.check(self.bounds.ceiling(), is_stopped)?;
@@ -131,8 +129,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         self.refuse_unless_drivable(comb.glide, comb.apply, mailbox)?;
-        let planner =
-            Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped };
+        let planner = Planner { slots: mailbox.slots(), timing: &self.timing, is_stopped };
         planner.place_comb(comb, self.active, &mut self.candidate.tones)?;
         refuse_unless_fading(mailbox)?;
         self.rise(comb.glide, comb.apply, false, is_stopped, mailbox)
@@ -147,7 +144,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
-        let Published { at, .. } = publish(mailbox, &self.lead, hand_over(apply), |view, lead| {
+        let AcceptedUntil { at, .. } = publish(mailbox, &self.lead, hand_over(apply), |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
             let mut earliest = view.next.max(view.ready_at);
             if view.motion.ends_silent() && !view.motion.is_silent_from(earliest) {
@@ -210,22 +207,13 @@ fn refuse_unless_fading<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<(), Refusal
     if mailbox.view().motion.ends_silent() { Ok(()) } else { Err(Refusal::Busy(Busy::DriveActive)) }
 }
 
-/// Where a published motion begins and ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Published {
-    pub(super) at: SampleIndex,
-    pub(super) until: SampleIndex,
-}
-
-impl Published {
-    /// The answer to a drive with this glide, in samples: its end, if the glide takes longer.
-    pub(super) const fn answer(self, glide: u32) -> Event {
-        let Self { at, until } = self;
-        if until > at.saturating_add(glide as u64) {
-            return Event::AcceptedUntil(AcceptedUntil { at, until });
-        }
-        Event::Accepted(Accepted { at })
+/// The answer to a drive with this glide, in samples: its end, if the glide takes longer.
+pub(super) const fn answer(published: AcceptedUntil, glide: u32) -> Event {
+    let AcceptedUntil { at, until } = published;
+    if until > at.saturating_add(glide as u64) {
+        return Event::AcceptedUntil(published);
     }
+    Event::Accepted(Accepted { at })
 }
 
 /// How a motion is handed over.
@@ -244,13 +232,14 @@ fn hand_over<M: RawMutex>(apply: Apply) -> HandOver<M> {
 /// for a failed attempt costs more time than that. It falls by a block with each program that takes less, to one block. Where
 /// planning takes no time it stays 0.
 ///
-/// Replaces a motion that waits for the trigger input, or one of the level hold, by the motion that `make` returns.
+/// Replaces a motion that waits for the trigger input, or one of the level hold, by the motion that `make` returns. Where that
+/// begins and ends is returned.
 pub(super) fn publish<M: RawMutex>(
     mailbox: &Mailbox<M>,
     lead: &Cell<u64>,
     hand_over: impl Fn(&Mailbox<M>, &Motion, &View) -> Result<(), NotPublished>,
     mut make: impl FnMut(&View, u64) -> Result<Motion, Refusal>,
-) -> Result<Published, Refusal> {
+) -> Result<AcceptedUntil, Refusal> {
     for least in LEADS {
         let view = mailbox.view();
         if view.stopping {
@@ -264,7 +253,7 @@ pub(super) fn publish<M: RawMutex>(
         let taken = mailbox.now().saturating_sub(view.next).checked_div(BLOCK_SAMPLES).unwrap_or(0);
         lead.set(taken.max(lead.get().saturating_sub(1)).clamp(lead.get().min(1), LONGEST_LEAD));
         match handed_over {
-            Ok(()) => return Ok(Published { at: motion.start(), until: motion.end() }),
+            Ok(()) => return Ok(AcceptedUntil { at: motion.start(), until: motion.end() }),
             Err(NotPublished::Pending) => break,
             Err(NotPublished::Late) => {}
         }

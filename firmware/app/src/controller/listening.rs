@@ -15,7 +15,7 @@ use slipline_protocol::refusal::{Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
 use super::Controller;
-use crate::listening::capture::{self, Recipe};
+use crate::listening::capture::Recipe;
 use crate::mailbox::{Inputs, Mailbox};
 use crate::ports::{FlashPages, System};
 use crate::range::in_range;
@@ -79,12 +79,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         let first = usize::from(part.first);
         let count = capture.filled.saturating_sub(first).min(CAPTURED_VALUES);
         Ok(Event::Captured(Captured {
-            progress: match capture.progress {
-                capture::Progress::Idle => Progress::Idle,
-                capture::Progress::Capturing => Progress::Running,
-                capture::Progress::Finished => Progress::Finished,
-                capture::Progress::Broken { at } => Progress::Broken { at },
-            },
+            progress: capture.progress,
             from: capture.begin,
             captured: u16::try_from(capture.filled).unwrap_or(u16::MAX),
             first: part.first,

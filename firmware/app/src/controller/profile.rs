@@ -10,7 +10,7 @@ use super::tables::{refuse_unless_muted, unchanged};
 use super::{Controller, accepted};
 use crate::mailbox::Mailbox;
 use crate::motion::Motion;
-use crate::ports::{FlashPages, System, UserButton};
+use crate::ports::{FlashPages, FlashSlot, System, UserButton};
 use crate::safety::bounds;
 use crate::slots::TableRef;
 use crate::store;
@@ -22,7 +22,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     #[inline(never)]
     pub(super) fn load_profile<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         let (profile, mut stored) = store::load_profile(&mut self.flash);
-        self.profile_erasures = store::profile_erasures(&mut self.flash);
+        self.profile_erasures = store::erasures(&mut self.flash, FlashSlot::ProfileA);
         let tables = self.tables();
         if self.bounds.set(profile, tables, mailbox.slots()).is_err() {
             stored = StoredConfig::Damaged;
@@ -63,7 +63,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         ProfileSetting { profile }: &ProfileSetting,
         mailbox: &Mailbox<M>,
     ) -> Result<Event, Refusal> {
-        if self.flash.profile_slot_len() < store::SLOT_BYTES {
+        if self.flash.slot_len(FlashSlot::ProfileA) < store::SLOT_BYTES {
             return Err(Refusal::NotSupported);
         }
         profile.as_ref().map_or(Ok(()), bounds::check)?;
@@ -78,7 +78,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
         let tables = self.tables();
         self.bounds.set(profile.clone(), tables, mailbox.slots())?;
-        self.profile_erasures = store::profile_erasures(&mut self.flash);
+        self.profile_erasures = store::erasures(&mut self.flash, FlashSlot::ProfileA);
         self.bounds.found(if profile.is_some() { StoredConfig::Loaded } else { StoredConfig::Empty });
         self.apply_profile();
         Ok(if is_kept { unchanged(mailbox.now()) } else { accepted(mailbox.now()) })

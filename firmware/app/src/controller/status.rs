@@ -11,7 +11,7 @@ use slipline_protocol::version::Version;
 use super::Controller;
 use crate::mailbox::Mailbox;
 use crate::mailbox::View;
-use crate::ports::{FlashPages, System};
+use crate::ports::{FlashPages, FlashSlot, System};
 use crate::safety::foldback::Foldback;
 use crate::store;
 
@@ -82,7 +82,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
 
     /// What [`Command::Maintenance`](slipline_protocol::Command::Maintenance) leaves out.
     pub(super) fn wear(&mut self, now: SampleIndex) -> Wear {
-        let places = if self.flash.profile_slot_len() < store::SLOT_BYTES { 0 } else { 2 };
+        let places = if self.flash.slot_len(FlashSlot::ProfileA) < store::SLOT_BYTES { 0 } else { 2 };
         Wear {
             profile_erasures: self.profile_erasures,
             profile_erasures_promised: self.flash.endurance().saturating_mul(places),

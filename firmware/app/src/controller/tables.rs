@@ -1,14 +1,14 @@
 //! Tables: an uploaded table comes into force; the table in force is stored in flash or removed from it.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use slipline_protocol::event::{Accepted, Event, Fault, StoredConfig};
+use slipline_protocol::event::{Accepted, AcceptedUntil, Event, Fault, StoredConfig};
 use slipline_protocol::refusal::{Busy, Refusal};
 use slipline_protocol::units::SampleIndex;
 
-use super::drive::{Published, publish};
+use super::drive::publish;
 use super::{Controller, accepted};
 use crate::mailbox::Mailbox;
-use crate::ports::{FlashPages, System};
+use crate::ports::{FlashPages, FlashSlot, System};
 use crate::slots::TableRef;
 use crate::store;
 
@@ -29,7 +29,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             }
             return Err(refusal);
         }
-        let Published { at, .. } = publish(mailbox, &self.lead, Mailbox::publish_swap, |view, lead| {
+        let AcceptedUntil { at, .. } = publish(mailbox, &self.lead, Mailbox::publish_swap, |view, lead| {
             if view.waits() {
                 // It was planned by the table in force.
                 return Err(Refusal::Busy(Busy::CommitPending));
@@ -57,8 +57,8 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         .and_then(|header| {
             if store::is_sound(&header, knot) { Ok(header) } else { Err(StoredConfig::Damaged) }
         });
-        let has_lost_a_copy = store::has_lost_a_copy(&mut self.flash);
-        self.erasures = store::erasures(&mut self.flash);
+        let has_lost_a_copy = store::has_lost_a_copy(&mut self.flash, FlashSlot::A);
+        self.erasures = store::erasures(&mut self.flash, FlashSlot::A);
         self.stored = match loaded {
             Ok(header) => {
                 self.table = Some(header);
@@ -88,7 +88,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
         self.take_store(mailbox)?;
         let saved = store::save(&mut self.flash, &header, knot);
-        self.erasures = store::erasures(&mut self.flash);
+        self.erasures = store::erasures(&mut self.flash, FlashSlot::A);
         saved.map_err(|_| Refusal::StoreFailed)?;
         self.stored = StoredConfig::Loaded;
         Ok(accepted(mailbox.now()))
@@ -103,7 +103,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
         self.take_store(mailbox)?;
         let forgotten = store::forget(&mut self.flash);
-        self.erasures = store::erasures(&mut self.flash);
+        self.erasures = store::erasures(&mut self.flash, FlashSlot::A);
         forgotten.map_err(|_| Refusal::StoreFailed)?;
         self.stored = StoredConfig::Empty;
         Ok(accepted(mailbox.now()))
@@ -114,7 +114,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     }
 
     fn refuse_unless_silent<M: RawMutex>(&self, mailbox: &Mailbox<M>) -> Result<(), Refusal> {
-        if self.flash.slot_len() < store::SLOT_BYTES {
+        if self.flash.slot_len(FlashSlot::A) < store::SLOT_BYTES {
             return Err(Refusal::NotSupported);
         }
         if mailbox.view().is_silent() { Ok(()) } else { Err(Refusal::Busy(Busy::DriveActive)) }

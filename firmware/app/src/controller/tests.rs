@@ -106,8 +106,8 @@ impl Rig {
                 Boot::cold(),
                 NoFlash,
                 rom.clone(),
-                Box::leak(Box::default()),
-                Box::leak(Box::default()),
+                Box::leak(Box::new(Candidate::new())),
+                Box::leak(Box::new(Values::new())),
             ),
             mailbox: Rc::new(Mailbox::new()),
             renderer: Rc::new(RefCell::new(Renderer::new(Timing::at(RATE)))),
@@ -303,7 +303,7 @@ fn a_table_swap_after_a_long_armed_silence_is_no_drive() {
 struct Deadly;
 
 impl FlashPages for Deadly {
-    fn slot_len(&self) -> usize {
+    fn slot_len(&self, _: FlashSlot) -> usize {
         crate::store::SLOT_BYTES
     }
 

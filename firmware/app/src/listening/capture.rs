@@ -22,6 +22,7 @@ use crate::timing::BLOCK_SAMPLES;
 use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};
 use slipline_dds::bank::BLOCK;
+pub use slipline_protocol::listen::Progress;
 use slipline_protocol::units::SampleIndex;
 
 /// Values at most.
@@ -88,32 +89,10 @@ pub enum CaptureError {
     BeyondTime,
 }
 
-/// Progress of a capture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
-    /// None has been started.
-    Idle,
-    /// It waits for its first code, or is under way.
-    Capturing,
-    /// It is complete.
-    Finished,
-    /// A block was lost; the values end before it.
-    Broken {
-        /// The first sample that is missing.
-        at: SampleIndex,
-    },
-}
-
 /// The memory of a capture's values, 16 KiB, shared by both sides: the capture writes each value once, and the thread side
 /// reads only the values that are reported as captured.
 #[derive(Debug)]
 pub struct Values([AtomicU32; MAX_VALUES]);
-
-impl Default for Values {
-    fn default() -> Self {
-        Self::new()
-    }
-}
 
 impl Values {
     /// All zero.
@@ -168,13 +147,13 @@ impl<'a> Capture<'a> {
         self.recipe = recipe;
         self.due = recipe.begin;
         (self.sum, self.summed, self.filled) = (0, 0, 0);
-        self.progress = Progress::Capturing;
+        self.progress = Progress::Running;
         Ok(())
     }
 
     /// Ends a capture that is under way; what it has captured can be read.
     pub fn stop(&mut self) {
-        if self.progress == Progress::Capturing {
+        if self.progress == Progress::Running {
             self.progress = if self.filled == 0 { Progress::Idle } else { Progress::Broken { at: self.due } };
         }
     }
@@ -201,7 +180,7 @@ impl<'a> Capture<'a> {
     #[must_use]
     pub fn wanted_inputs(&self) -> Range<usize> {
         let input = usize::from(self.recipe.input);
-        if self.progress == Progress::Capturing { input..input.saturating_add(1) } else { 0..0 }
+        if self.progress == Progress::Running { input..input.saturating_add(1) } else { 0..0 }
     }
 
     /// Number of values so far.
@@ -237,7 +216,7 @@ impl<'a> Capture<'a> {
     /// Takes a block of codes of each input; `index` is its first sample.
     pub fn take_block(&mut self, index: SampleIndex, inputs: &[[u16; BLOCK]]) {
         let end = index.saturating_add(BLOCK_SAMPLES);
-        if self.progress != Progress::Capturing || end <= self.due {
+        if self.progress != Progress::Running || end <= self.due {
             return;
         }
         let codes = inputs.get(usize::from(self.recipe.input));

@@ -106,7 +106,7 @@ impl<'a> Listener<'a> {
         }
         if self.owes_capture {
             let progress = self.capture.progress();
-            self.owes_capture = progress == Progress::Capturing;
+            self.owes_capture = progress == Progress::Running;
             let (begin, filled) = (self.capture.begin(), self.capture.filled());
             mailbox.set_captured(CaptureReport { progress, begin, filled });
         }
@@ -191,7 +191,7 @@ impl<'a> Listener<'a> {
                 let inputs = self.codes.get(..stream.inputs().min(INPUTS)).unwrap_or_default();
                 self.lock_in.take_block(self.next, inputs, self.history.at(self.next));
                 // A needless call would cost every measured block some ten cycles.
-                if self.capture.progress() == Progress::Capturing {
+                if self.capture.progress() == Progress::Running {
                     self.capture.take_block(self.next, inputs);
                 }
                 // 64 bits of samples last for a million years.

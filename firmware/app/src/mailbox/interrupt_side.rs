@@ -12,7 +12,6 @@ use crate::digest::DigestState;
 use crate::motion::cell::MotionCell;
 use crate::motion::outline::Outline;
 use crate::motion::{Onset, Placement};
-use crate::planning::ramp::RampShape;
 use crate::timing::BLOCK_SAMPLES;
 
 /// Offset in samples of a ramp that is applied to a rendered block: it changes the block's second code first. A ramp of a
@@ -121,14 +120,8 @@ impl<M: RawMutex> Mailbox<M> {
     }
 
     /// Writes where each tone is at an index to `places`, by the motion in force and its outline.
-    pub(crate) fn place(
-        &self,
-        outline: &Outline,
-        index: SampleIndex,
-        shape: &RampShape,
-        places: &mut [Placement; MAX_TONES],
-    ) {
-        self.live().place(outline, index, &self.slots, shape, places);
+    pub(crate) fn place(&self, outline: &Outline, index: SampleIndex, places: &mut [Placement; MAX_TONES]) {
+        self.live().place(outline, index, &self.slots, places);
     }
 
     /// The motion in force becomes a ramp to silence from `here`, at an index, in `ramp` samples.

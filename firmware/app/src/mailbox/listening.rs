@@ -13,10 +13,11 @@ use core::cell::Cell;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_dds::bank::TONES;
 use slipline_dds::lock_in::{self, InPhaseQuadrature, Reading, Span, State, Window};
+use slipline_protocol::listen::Progress;
 use slipline_protocol::units::SampleIndex;
 
 use super::Mailbox;
-use crate::listening::capture::{self, Recipe};
+use crate::listening::capture::Recipe;
 use crate::ports::INPUTS;
 
 /// An order for a measurement or a capture.
@@ -80,7 +81,7 @@ impl MeasurementReport {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CaptureReport {
     /// Its progress.
-    pub progress: capture::Progress,
+    pub progress: Progress,
     /// The index of its first code.
     pub begin: SampleIndex,
     /// Number of values.
@@ -88,7 +89,7 @@ pub struct CaptureReport {
 }
 
 impl CaptureReport {
-    const NONE: Self = Self { progress: capture::Progress::Idle, begin: 0, filled: 0 };
+    const NONE: Self = Self { progress: Progress::Idle, begin: 0, filled: 0 };
 }
 
 /// The sums of all slots.
@@ -200,7 +201,7 @@ impl<M: RawMutex> Mailbox<M> {
     ) -> Result<SampleIndex, E> {
         self.shared.lock(|shared| {
             let recipe = recipe(shared.next.get())?;
-            let progress = capture::Progress::Capturing;
+            let progress = Progress::Running;
             let begun = CaptureReport { progress, begin: recipe.begin, filled: 0 };
             shared.listening.order_capture(Order::Start(recipe), begun);
             Ok(recipe.begin)

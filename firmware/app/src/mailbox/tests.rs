@@ -350,11 +350,10 @@ fn a_view_never_mixes_two_motions() {
             }
             is_over.store(true, Ordering::Relaxed);
         });
-        let shape = crate::planning::ramp::RampShape::new();
         let mut last = 0;
         while !is_over.load(Ordering::Relaxed) {
             let motion = mailbox.view().motion;
-            let here = motion.at(motion.start(), mailbox.slots(), &shape);
+            let here = motion.at(motion.start(), mailbox.slots());
             assert!(here.iter().all(|placement| placement.level == here[0].level), "{here:?}");
             let round = u64::from(here[0].level.0.saturating_sub(1));
             assert!(

@@ -11,7 +11,6 @@ use super::evaluation::{TrajectoryRead, place};
 use super::outline::Outline;
 use super::placement::{Onset, Placement};
 use super::trajectory::{SettingTrajectory, ToneTrajectory};
-use crate::planning::ramp::RampShape;
 use crate::slots::TableSlots;
 
 /// Sixteen trajectories in 32-bit atomics.
@@ -81,10 +80,9 @@ impl MotionCell {
         outline: &Outline,
         index: SampleIndex,
         slots: &TableSlots,
-        shape: &RampShape,
         places: &mut [Placement; MAX_TONES],
     ) {
-        place(outline, &self.0, index, slots, shape, places);
+        place(outline, &self.0, index, slots, places);
     }
 
     /// Takes every tone to silence from `here`.

@@ -7,7 +7,7 @@ use slipline_protocol::units::{Gain, SampleIndex};
 use super::outline::Outline;
 use super::placement::Placement;
 use super::trajectory::{SettingTrajectory, ToneTrajectory, between_levels, between_positions, blend};
-use crate::planning::ramp::{ONE, RampShape};
+use crate::planning::ramp::{ONE, progress};
 use crate::slots::TableSlots;
 
 /// One tone's trajectory, read part by part, so that only the requested parts are loaded.
@@ -53,11 +53,10 @@ pub(super) fn place(
     tones: &[impl TrajectoryRead; MAX_TONES],
     index: SampleIndex,
     slots: &TableSlots,
-    shape: &RampShape,
     places: &mut [Placement; MAX_TONES],
 ) {
     let u = outline.share_of_time(index);
-    let s = shape.at(u);
+    let s = progress(u);
     let table = slots.table(outline.table);
     // In three rounds: a processor has too few registers for all at once.
     for (place, tone) in places.iter_mut().zip(tones) {

@@ -4,7 +4,7 @@ use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::units::SampleIndex;
 
 use super::placement::Placement;
-use crate::planning::ramp::{ONE, RampShape};
+use crate::planning::ramp::{ONE, progress};
 use crate::slots::{SlotIndex, TableRef};
 
 /// Time and table of a motion, and whether it begins and ends in silence.
@@ -67,8 +67,8 @@ impl Outline {
     }
 
     /// The factor of a ramp to silence at an index, Q1.31.
-    pub(crate) fn share_left(&self, index: SampleIndex, shape: &RampShape) -> u32 {
-        ONE.saturating_sub(shape.at(self.share_of_time(index)))
+    pub(crate) fn share_left(&self, index: SampleIndex) -> u32 {
+        ONE.saturating_sub(progress(self.share_of_time(index)))
     }
 
     /// As [`Motion::is_silent_from`].

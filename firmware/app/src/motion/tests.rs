@@ -60,15 +60,15 @@ proptest! {
     fn every_tone_goes_on_from_where_it_is(
         programs in prop::collection::vec((targets(), 2000u32..50_000, 0u64..60_000, any::<bool>()), 1..8),
     ) {
-        let (slots, shape) = (slots(), RampShape::new());
+        let slots = slots();
         let mut motion = Motion::silent();
         let mut at = 0;
         for (targets, glide, later, second) in programs {
             at += later / 128 * 128;
             let slot = if second { SlotIndex::Second } else { SlotIndex::First };
-            let before = motion.at(at, &slots, &shape);
+            let before = motion.at(at, &slots);
             let next = motion.follow(&before, &program(at, glide, slot, &targets), &slots);
-            let after = next.at(at, &slots, &shape);
+            let after = next.at(at, &slots);
             for ((before, after), onset) in before.iter().zip(&after).zip(next.tones.iter().map(ToneTrajectory::onset)) {
                 prop_assert_eq!(before.level, after.level);
                 if before.is_silent() {
@@ -85,7 +85,7 @@ proptest! {
             motion = next;
         }
         // All arrive.
-        let end = motion.at(motion.end(), &slots, &shape);
+        let end = motion.at(motion.end(), &slots);
         for (placement, goal) in end.iter().zip(&motion.goals()) {
             match goal {
                 None => prop_assert!(placement.is_silent()),
@@ -96,30 +96,30 @@ proptest! {
             }
         }
         for later in [1, 1 << 32, (1 << 32) + 7, u64::MAX] {
-            prop_assert_eq!(motion.at(motion.end().saturating_add(later), &slots, &shape), end);
+            prop_assert_eq!(motion.at(motion.end().saturating_add(later), &slots), end);
         }
         let wrapped = at.saturating_add(1 << 32);
-        prop_assert_eq!(motion.at(wrapped, &slots, &shape), end, "no 32-bit time");
+        prop_assert_eq!(motion.at(wrapped, &slots), end, "no 32-bit time");
     }
 
     #[test]
     fn a_fade_ends_in_silence_and_never_grows(targets in targets(), cut in 0u64..40_000, ramp in 1u32..30_000) {
-        let (slots, shape) = (slots(), RampShape::new());
+        let slots = slots();
         let motion = Motion::silent().follow(&[Placement::default(); MAX_TONES], &program(0, 20_000, SlotIndex::First, &targets), &slots);
         let cell = MotionCell::silent();
         cell.store(&motion);
         let copy = cell.load(motion.outline());
         prop_assert_eq!(&copy, &motion);
-        let here = motion.at(cut, &slots, &shape);
+        let here = motion.at(cut, &slots);
         cell.fade(&here);
         let fade = cell.load(Outline::fading(&here, cut, ramp, motion.table()));
         prop_assert!(fade.ends_silent());
         prop_assert!(fade.is_silent_from(fade.end()));
-        let sounded = motion.at(cut, &slots, &shape).iter().any(|placement| !placement.is_silent());
+        let sounded = motion.at(cut, &slots).iter().any(|placement| !placement.is_silent());
         prop_assert_eq!(fade.is_silent_from(cut), !sounded);
-        let mut last = motion.at(cut, &slots, &shape);
+        let mut last = motion.at(cut, &slots);
         for part in 0..=20u64 {
-            let now = fade.at(cut + u64::from(ramp) * part / 20, &slots, &shape);
+            let now = fade.at(cut + u64::from(ramp) * part / 20, &slots);
             for (now, last) in now.iter().zip(&last) {
                 prop_assert!(now.amplitude() <= last.amplitude());
                 prop_assert_eq!(now.setting, last.setting, "what fades keeps its frequency");
@@ -131,10 +131,10 @@ proptest! {
 
     #[test]
     fn a_position_moves_on_a_line_and_its_setting_along_the_table(from: u16, to: u16, share in 0u32..=1000) {
-        let (slots, shape) = (slots(), RampShape::new());
+        let slots = slots();
         let start = Motion::silent().follow(&[Placement::default(); MAX_TONES], &program(0, 2000, SlotIndex::First, &[(3, from, 1 << 30)]), &slots);
-        let motion = start.follow(&start.at(4096, &slots, &shape), &program(4096, 10_000, SlotIndex::First, &[(3, to, 1 << 30)]), &slots);
-        let placement = motion.at(4096 + u64::from(share) * 10, &slots, &shape)[3];
+        let motion = start.follow(&start.at(4096, &slots), &program(4096, 10_000, SlotIndex::First, &[(3, to, 1 << 30)]), &slots);
+        let placement = motion.at(4096 + u64::from(share) * 10, &slots)[3];
         let (a, b) = (f64::from(from) / 65_535.0, f64::from(to) / 65_535.0);
         let want = a + (b - a) * f64::from(share) / 1000.0;
         let got = f64::from(placement.position.raw()) / f64::from(1u32 << 31);

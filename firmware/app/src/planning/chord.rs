@@ -41,7 +41,7 @@ use slipline_protocol::units::{FinePosition, Gain, Level, Phase, PhaseStep, per_
 pub use self::proof::{Candidate, Extent, Proof};
 use crate::planning::level::master_gain;
 use crate::planning::program::Target;
-use crate::range::in_range;
+use crate::range::{in_range, within};
 
 /// A chord's tones, checked: step, phase and level of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,12 +79,9 @@ impl ChordTones {
         if knots < 2 {
             return Err(Refusal::NoTable);
         }
-        let (shortest, longest) = CHORD_PERIOD_LOG2;
         let period_log2 = chord.period_log2;
-        in_range(Field::ChordPeriod, shortest.into(), longest.into(), period_log2.into())?;
-        if chord.tones.is_empty() {
-            return Err(Refusal::out_of_range(Field::ToneCount, 1, MAX_TONES as i64, 0));
-        }
+        within(Field::ChordPeriod, CHORD_PERIOD_LOG2, period_log2)?;
+        in_range(Field::ToneCount, 1, MAX_TONES as u64, chord.tones.len() as u64)?;
         // The base frequency's phase step, Q0.32; the shifts are in range by the check above.
         let base = 1u32 << (32 - u32::from(period_log2));
         let (first, last) = (knot(0).step, knot(knots - 1).step);
@@ -108,12 +105,9 @@ impl ChordTones {
         if knots < 2 {
             return Err(Refusal::NoTable);
         }
-        let (shortest, longest) = COMB_PERIOD_BLOCKS;
         let blocks = comb.period_blocks;
-        in_range(Field::CombPeriod, shortest.into(), longest.into(), blocks.into())?;
-        if comb.tones.is_empty() {
-            return Err(Refusal::out_of_range(Field::ToneCount, 1, MAX_TONES as i64, 0));
-        }
+        within(Field::CombPeriod, COMB_PERIOD_BLOCKS, blocks)?;
+        in_range(Field::ToneCount, 1, MAX_TONES as u64, comb.tones.len() as u64)?;
         let period = COMB_BLOCK * u32::from(blocks);
         let highest = u64::from(period) * u64::from(MAX_FREQUENCY_PER_MILLE) / 1000;
         let highest = u32::try_from(highest).unwrap_or(u32::MAX).min(u16::MAX.into());
@@ -136,14 +130,7 @@ impl ChordTones {
         let first_is_lower = knot(0).step < knot(last).step;
         for ((harmonic, level, phase), target) in tones.zip(&mut self.targets) {
             let harmonic = u32::from(harmonic);
-            if !(lowest..=highest).contains(&harmonic) {
-                return Err(Refusal::out_of_range(
-                    Field::Harmonic,
-                    lowest.into(),
-                    highest.into(),
-                    harmonic.into(),
-                ));
-            }
+            within(Field::Harmonic, (lowest, highest), harmonic)?;
             let step = step_of(harmonic, self.period);
             let upper = (step.0 >> 32) as u32;
             let (position, gain) = match table::place_of_step(knots, upper, &knot) {
@@ -181,18 +168,6 @@ impl ChordTones {
     #[must_use]
     pub fn sum(&self) -> u64 {
         self.sounding().map(|(_, _, _, amplitude)| u64::from(amplitude.0)).sum()
-    }
-
-    /// Checks that the amplitudes fit whatever the phases.
-    ///
-    /// # Errors
-    /// [`Refusal::Headroom`].
-    pub(crate) fn check_amplitudes(&self) -> Result<(), Refusal> {
-        let sum = self.sum();
-        if sum > u64::from(Gain::FULL.0) {
-            return Err(Refusal::Headroom { sum_per_mille: per_mille(sum) });
-        }
-        Ok(())
     }
 
     /// Checks that phases may exist with which the tones fit. It also keeps every sample within 32 bits.

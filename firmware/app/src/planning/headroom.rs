@@ -14,7 +14,7 @@
 
 use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::refusal::Refusal;
-use slipline_protocol::units::{Gain, per_mille};
+use slipline_protocol::units::Gain;
 
 use crate::motion::Placement;
 use crate::planning::program::Program;
@@ -57,9 +57,5 @@ pub(crate) fn check(
         at_start = at_start.saturating_add(u64::from(Gain(gain).times(placement.level).0));
         at_end = at_end.saturating_add(u64::from(Gain(gain).times(target.level).0));
     }
-    let sum = at_start.max(at_end);
-    if sum > u64::from(Gain::FULL.0) {
-        return Err(Refusal::Headroom { sum_per_mille: per_mille(sum) });
-    }
-    Ok(())
+    Refusal::check_sum(at_start.max(at_end), Gain::FULL)
 }

@@ -16,16 +16,13 @@ use crate::planning::chord::ChordTones;
 use crate::planning::headroom;
 use crate::planning::level::master_gain;
 use crate::planning::program::{Program, Target};
-use crate::planning::ramp::RampShape;
 use crate::range::in_range;
 use crate::slots::{Extremes, TableRef, TableSlots};
 
-/// Inputs of the planner: tables, ramp shape, limits of time, and the check for a stop.
+/// Inputs of the planner: tables, limits of time, and the check for a stop.
 pub struct Planner<'a> {
     /// The tables.
     pub slots: &'a TableSlots,
-    /// The ramps' shape.
-    pub shape: &'a RampShape,
     /// The limits of times.
     pub timing: &'a Timing,
     /// Whether a stop has come. Called before each tone and between all other parts of the work, since planning may take as long as a
@@ -93,10 +90,7 @@ impl Planner<'_> {
     /// # Errors
     /// [`Refusal::NoTable`], [`Refusal::OutOfRange`] for the master level, the glide, and as [`ChordTones::of`].
     pub fn place_chord(&self, chord: &Chord, table: TableRef, tones: &mut ChordTones) -> Result<(), Refusal> {
-        if table.knots == 0 {
-            return Err(Refusal::NoTable);
-        }
-        self.check_ranges(chord.master, chord.glide)?;
+        self.check_ranges(table, chord.master, chord.glide)?;
         tones.set(chord, table.knots, |index| self.slots.knot(table.slot, index))
     }
 
@@ -106,12 +100,10 @@ impl Planner<'_> {
     /// [`Refusal::NoTable`], [`Refusal::OutOfRange`] for the master level, the glide, the period, the number of tones and a
     /// multiple, [`Refusal::Headroom`].
     pub fn place_comb(&self, comb: &Comb, table: TableRef, tones: &mut ChordTones) -> Result<(), Refusal> {
-        if table.knots == 0 {
-            return Err(Refusal::NoTable);
-        }
-        self.check_ranges(comb.master, comb.glide)?;
+        self.check_ranges(table, comb.master, comb.glide)?;
         tones.set_comb(comb, table.knots, |index| self.slots.knot(table.slot, index))?;
-        tones.check_amplitudes()
+        // They must fit whatever their phases.
+        Refusal::check_sum(tones.sum(), Gain::FULL)
     }
 
     /// Makes the motion of a chord or a comb that rises from silence at `at`. Whether a chord's sum fits is not checked here:
@@ -136,21 +128,13 @@ impl Planner<'_> {
 
     /// Checks a drive's fields; returns where each tone shall go.
     fn targets(&self, drive: &Drive, table: TableRef) -> Result<[Option<Target>; MAX_TONES], Refusal> {
-        if table.knots == 0 {
-            return Err(Refusal::NoTable);
-        }
-        self.check_ranges(drive.master, drive.glide)?;
+        self.check_ranges(table, drive.master, drive.glide)?;
         let master = master_gain(drive.master);
         let mut targets = [None; MAX_TONES];
         for tone in &drive.tones {
-            let Some(target) = targets.get_mut(usize::from(tone.slot)) else {
-                return Err(Refusal::out_of_range(
-                    Field::ToneSlot,
-                    0,
-                    MAX_TONES as i64 - 1,
-                    i64::from(tone.slot),
-                ));
-            };
+            let refused =
+                || Refusal::out_of_range(Field::ToneSlot, 0, MAX_TONES as i64 - 1, tone.slot.into());
+            let target = targets.get_mut(usize::from(tone.slot)).ok_or_else(refused)?;
             if target.is_some() {
                 return Err(Refusal::SlotTwice { slot: tone.slot });
             }
@@ -164,15 +148,11 @@ impl Planner<'_> {
         Ok(targets)
     }
 
-    fn check_ranges(&self, master: CentiDecibel, glide: u32) -> Result<(), Refusal> {
-        if !(MIN_MASTER_CDB..=0).contains(&master.0) {
-            return Err(Refusal::out_of_range(
-                Field::MasterLevel,
-                i64::from(MIN_MASTER_CDB),
-                0,
-                i64::from(master.0),
-            ));
+    fn check_ranges(&self, table: TableRef, master: CentiDecibel, glide: u32) -> Result<(), Refusal> {
+        if table.knots == 0 {
+            return Err(Refusal::NoTable);
         }
+        Refusal::check(Field::MasterLevel, MIN_MASTER_CDB.into(), 0, master.0.into())?;
         self.check_glide(glide)
     }
 
@@ -185,7 +165,7 @@ impl Planner<'_> {
     fn complete(&mut self, mut program: Program, motion: &Motion) -> Result<Motion, Refusal> {
         let slots = self.slots;
         self.refuse_if_stopped()?;
-        let placements = motion.at(program.at, slots, self.shape);
+        let placements = motion.at(program.at, slots);
         let mut ways = [Extremes::default(); MAX_TONES];
         let mut needed = 0;
         let tones = ways.iter_mut().zip(&placements).zip(&program.targets);

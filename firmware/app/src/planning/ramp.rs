@@ -40,35 +40,18 @@ const fn shape() -> [u32; INTERVALS + 1] {
     shape
 }
 
-/// How far a ramp has come as a function of how much of its time has passed: `s(u) = (1 - cos(pi u)) / 2`.
-#[derive(Clone, Copy, Debug)]
-pub struct RampShape;
-
-impl RampShape {
-    /// The shape.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self
-    }
-
-    /// `s(u)`, both Q1.31; 0 at 0, 1 at 1, rising between.
-    #[must_use]
-    #[expect(clippy::cast_possible_truncation, reason = "at most the difference of two 32-bit values")]
-    pub fn at(&self, u: u32) -> u32 {
-        let u = u.min(ONE);
-        // 128 intervals: the upper 7 bits below the leading one are the index, the lower 24 the fraction.
-        let index = (u >> 24) as usize;
-        let fraction = u64::from(u & 0x00ff_ffff);
-        let Some(&a) = SHAPE.get(index) else { return ONE };
-        let Some(&b) = SHAPE.get(index + 1) else { return a };
-        a + ((u64::from(b.saturating_sub(a)) * fraction) >> 24) as u32
-    }
-}
-
-impl Default for RampShape {
-    fn default() -> Self {
-        Self::new()
-    }
+/// How far a ramp has come when the share `u` of its time has passed: `s(u) = (1 - cos(pi u)) / 2`, both Q1.31; 0 at 0, 1 at 1,
+/// rising between.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "at most the difference of two 32-bit values")]
+pub fn progress(u: u32) -> u32 {
+    let u = u.min(ONE);
+    // 128 intervals: the upper 7 bits below the leading one are the index, the lower 24 the fraction.
+    let index = (u >> 24) as usize;
+    let fraction = u64::from(u & 0x00ff_ffff);
+    let Some(&a) = SHAPE.get(index) else { return ONE };
+    let Some(&b) = SHAPE.get(index + 1) else { return a };
+    a + ((u64::from(b.saturating_sub(a)) * fraction) >> 24) as u32
 }
 
 #[cfg(test)]
@@ -77,19 +60,17 @@ mod tests {
 
     #[test]
     fn the_shape_rises_from_zero_to_one_monotonically() {
-        let shape = RampShape::new();
-        assert_eq!((shape.at(0), shape.at(ONE), shape.at(u32::MAX)), (0, ONE, ONE));
-        let values: std::vec::Vec<u32> = (0..=4096).map(|i| shape.at(i << 19)).collect();
+        assert_eq!((progress(0), progress(ONE), progress(u32::MAX)), (0, ONE, ONE));
+        let values: std::vec::Vec<u32> = (0..=4096).map(|i| progress(i << 19)).collect();
         assert!(values.windows(2).all(|w| w[0] <= w[1]));
     }
 
     #[test]
     fn the_shape_is_a_raised_cosine() {
-        let shape = RampShape::new();
         for i in 0..=1000u32 {
             let u = f64::from(i) / 1000.0;
             let want = (1.0 - (core::f64::consts::PI * u).cos()) / 2.0;
-            let got = f64::from(shape.at((u * f64::from(ONE)) as u32)) / f64::from(ONE);
+            let got = f64::from(progress((u * f64::from(ONE)) as u32)) / f64::from(ONE);
             assert!((got - want).abs() < 4e-5, "at {u}: {got} for {want}");
         }
     }

@@ -43,7 +43,7 @@ impl Renderer {
         };
         // First what the DAC waits for; for the rest there is time.
         let ramp = Outline::fading(&self.here, first, self.ramp(stop), self.outline.table);
-        self.lead_to(ramp.share_left(self.index, &self.shape));
+        self.lead_to(ramp.share_left(self.index));
         let code::Conversion { clipped, energy } = code::codes(&self.samples, codes);
         let handed_over = hand_over(codes);
 
@@ -77,7 +77,7 @@ impl Renderer {
 
     /// The next block begins where the ramp is by now.
     fn end_at_the_ramp<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
-        mailbox.place(&self.outline, self.index, &self.shape, &mut self.here);
+        mailbox.place(&self.outline, self.index, &mut self.here);
         let mut sum: u64 = 0;
         for (tone, here) in self.tones.iter_mut().zip(&self.here) {
             tone.amplitude_end = here.amplitude().times(Gain(self.limit)).0;

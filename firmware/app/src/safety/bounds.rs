@@ -14,11 +14,11 @@ use slipline_protocol::limits::{self, MAX_RISE_CDB};
 use slipline_protocol::profile::ActuatorProfile;
 use slipline_protocol::refusal::{Field, Refusal};
 use slipline_protocol::timing::Timing;
-use slipline_protocol::units::{Gain, per_mille};
+use slipline_protocol::units::Gain;
 
 use crate::motion::Motion;
 use crate::motion::trajectory::{SettingTrajectory, ToneTrajectory};
-use crate::range::in_range;
+use crate::range::within;
 use crate::safety::excursion::Excursion;
 use crate::safety::thermal::CoilConstants;
 use crate::slots::{TableRef, TableSlots};
@@ -137,11 +137,7 @@ impl Bounds {
             at_start = at_start.saturating_add(gain.times(tone.from_level).0.into());
             at_end = at_end.saturating_add(gain.times(tone.to_level).0.into());
         }
-        let sum = at_start.max(at_end);
-        if sum > u64::from(self.ceiling().0) {
-            return Err(Refusal::Headroom { sum_per_mille: per_mille(sum) });
-        }
-        Ok(())
+        Refusal::check_sum(at_start.max(at_end), self.ceiling())
     }
 }
 
@@ -177,23 +173,12 @@ fn largest_gain(tone: &ToneTrajectory, table: TableRef, slots: &TableSlots) -> G
 /// # Errors
 /// [`Refusal::OutOfRange`] with the field.
 pub fn check(profile: &ActuatorProfile) -> Result<(), Refusal> {
-    let (least, most) = limits::PROFILE_SUM_PER_MILLE;
-    in_range(Field::ProfileSum, least.into(), most.into(), profile.max_sum_per_mille.into())?;
-    let (least, most) = limits::COIL_TIME_MS;
+    within(Field::ProfileSum, limits::PROFILE_SUM_PER_MILLE, profile.max_sum_per_mille)?;
     for time in [profile.heat.winding_ms, profile.heat.body_ms] {
-        in_range(Field::CoilTime, least.into(), most.into(), time.into())?;
+        within(Field::CoilTime, limits::COIL_TIME_MS, time)?;
     }
-    let (least, most) = limits::FULL_SINE_PER_MILLE;
-    in_range(Field::FullSine, least.into(), most.into(), profile.heat.full_sine_per_mille.into())?;
-    in_range(
-        Field::DriveTime,
-        limits::MIN_DRIVE_MS.into(),
-        limits::MAX_DRIVE_MS.into(),
-        profile.max_drive_ms.into(),
-    )?;
-    let rise = profile.max_rise.0;
-    if !(0..=MAX_RISE_CDB).contains(&rise) {
-        return Err(Refusal::out_of_range(Field::MaxRise, 0, MAX_RISE_CDB.into(), rise.into()));
-    }
+    within(Field::FullSine, limits::FULL_SINE_PER_MILLE, profile.heat.full_sine_per_mille)?;
+    within(Field::DriveTime, (limits::MIN_DRIVE_MS, limits::MAX_DRIVE_MS), profile.max_drive_ms)?;
+    Refusal::check(Field::MaxRise, 0, MAX_RISE_CDB.into(), profile.max_rise.0.into())?;
     profile.travel.as_ref().map_or(Ok(()), crate::safety::excursion::check_ranges)
 }

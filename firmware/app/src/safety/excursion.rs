@@ -29,6 +29,7 @@ use self::groups::Groups;
 use self::law::Law;
 use crate::motion::Motion;
 use crate::motion::trajectory::{SettingTrajectory, ToneTrajectory};
+use crate::range::within;
 use crate::slots::{SlotIndex, TableRef, TableSlots, knots_between};
 
 /// The limit in force, if any, and the travels of the two tables by it.
@@ -36,15 +37,14 @@ use crate::slots::{SlotIndex, TableRef, TableSlots, knots_between};
 pub struct Excursion {
     sample_rate_hz: u32,
     limit: Option<(TravelLimit, Law)>,
-    first: Groups,
-    second: Groups,
+    groups: [Groups; 2],
 }
 
 impl Excursion {
     /// Without a limit, at a sample rate in Hz.
     #[must_use]
     pub const fn unlimited(sample_rate_hz: u32) -> Self {
-        Self { sample_rate_hz, limit: None, first: Groups::NONE, second: Groups::NONE }
+        Self { sample_rate_hz, limit: None, groups: [Groups::NONE; 2] }
     }
 
     /// The limit in force.
@@ -100,9 +100,10 @@ impl Excursion {
     }
 
     const fn groups_of(&mut self, slot: SlotIndex) -> &mut Groups {
+        let [first, second] = &mut self.groups;
         match slot {
-            SlotIndex::First => &mut self.first,
-            SlotIndex::Second => &mut self.second,
+            SlotIndex::First => first,
+            SlotIndex::Second => second,
         }
     }
 
@@ -117,12 +118,7 @@ impl Excursion {
         if glide >= shortest {
             return Ok(());
         }
-        Err(Refusal::OutOfRange {
-            field: Field::Glide,
-            min: i64::from(shortest),
-            max: i64::from(timing.max_glide),
-            got: i64::from(glide),
-        })
+        Err(Refusal::out_of_range(Field::Glide, shortest.into(), timing.max_glide.into(), glide.into()))
     }
 
     /// Checks that the steady travel of all tones together stays within the limit on the whole way of a motion.
@@ -155,12 +151,8 @@ impl Excursion {
             }
             SettingTrajectory::Along if tone.from == tone.to => at(slots.evaluate(table, tone.to)),
             SettingTrajectory::Along => {
-                let groups = match table.slot {
-                    SlotIndex::First => &self.first,
-                    SlotIndex::Second => &self.second,
-                };
                 let (first, last) = knots_between(table, tone.from, tone.to);
-                groups.largest(first.into(), last.into())
+                table.slot.of(&self.groups).largest(first.into(), last.into())
             }
             SettingTrajectory::Join { step_upper, gain, .. } => {
                 let ends = [tone.from, tone.to].map(|place| upper_half(slots.evaluate(table, place)));
@@ -204,19 +196,9 @@ fn refusal(at_start: f32, at_end: f32) -> Refusal {
 /// # Errors
 /// [`Refusal::OutOfRange`] with the field.
 pub(crate) fn check_ranges(limit: &TravelLimit) -> Result<(), Refusal> {
-    let check = |field, min: u64, max: u64, got: u64| {
-        if (min..=max).contains(&got) {
-            return Ok(());
-        }
-        let signed = |value| i64::try_from(value).unwrap_or(i64::MAX);
-        Err(Refusal::OutOfRange { field, min: signed(min), max: signed(max), got: signed(got) })
-    };
-    let (min, max) = limits::RESONANCE_UHZ;
-    check(Field::Resonance, min, max, limit.resonance_uhz)?;
-    let (min, max) = limits::QUALITY_PER_MILLE;
-    check(Field::Quality, min.into(), max.into(), limit.quality_per_mille.into())?;
-    let (min, max) = limits::STATIC_TRAVEL_PPM;
-    check(Field::StaticTravel, min.into(), max.into(), limit.static_ppm.into())
+    within(Field::Resonance, limits::RESONANCE_UHZ, limit.resonance_uhz)?;
+    within(Field::Quality, limits::QUALITY_PER_MILLE, limit.quality_per_mille)?;
+    within(Field::StaticTravel, limits::STATIC_TRAVEL_PPM, limit.static_ppm)
 }
 
 #[cfg(test)]

@@ -4,79 +4,40 @@ use slipline_protocol::event::StoredConfig;
 use slipline_protocol::frame::CRC;
 use slipline_protocol::profile::{ActuatorProfile, PROFILE_BYTES};
 
-use super::slots::{erasures, has_lost_a_copy, is_whole_beside, newest, other_record};
-use super::{FORGOTTEN, LAYOUT, PROFILE, RecordHeader, Word, put, write_record};
+use super::slots::{has_lost_a_copy, is_whole_beside, newest, other_record};
+use super::{FORGOTTEN, LAYOUT, PROFILE, RecordHeader, put, write_record};
 use crate::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
 
+/// The first of its slots.
+const FIRST: FlashSlot = FlashSlot::ProfileA;
 /// Words of a profile's record behind its header.
 const WORDS: usize = PROFILE_BYTES / FLASH_WORD;
 const _: () = assert!(PROFILE_BYTES == WORDS * FLASH_WORD);
-
-/// The profile's slots of a flash, as the store uses the table's.
-struct ProfilePages<'a, F>(&'a mut F);
-
-const fn of_profile(slot: FlashSlot) -> FlashSlot {
-    match slot {
-        FlashSlot::A | FlashSlot::ProfileA => FlashSlot::ProfileA,
-        FlashSlot::B | FlashSlot::ProfileB => FlashSlot::ProfileB,
-    }
-}
-
-impl<F: FlashPages> FlashPages for ProfilePages<'_, F> {
-    fn slot_len(&self) -> usize {
-        self.0.profile_slot_len()
-    }
-
-    fn endurance(&self) -> u32 {
-        self.0.endurance()
-    }
-
-    fn erase(&mut self, slot: FlashSlot) -> Result<(), FlashError> {
-        self.0.erase(of_profile(slot))
-    }
-
-    fn write(&mut self, slot: FlashSlot, offset: usize, word: &Word) -> Result<(), FlashError> {
-        self.0.write(of_profile(slot), offset, word)
-    }
-
-    fn read(&mut self, slot: FlashSlot, offset: usize, word: &mut Word) -> Result<(), FlashError> {
-        self.0.read(of_profile(slot), offset, word)
-    }
-}
 
 /// The profile that is kept, if there is one, and how the flash was found.
 ///
 /// An older profile is used only with a report ([`StoredConfig::FellBack`]); where one may have been lost altogether it is
 /// [`StoredConfig::Damaged`].
 pub fn load_profile(flash: &mut impl FlashPages) -> (Option<ActuatorProfile>, StoredConfig) {
-    let mut pages = ProfilePages(flash);
-    if pages.slot_len() < super::SLOT_BYTES {
-        return (None, StoredConfig::Empty);
-    }
-    let has_lost_a_copy = has_lost_a_copy(&mut pages);
-    match (read(&mut pages), has_lost_a_copy) {
+    let has_lost_a_copy = has_lost_a_copy(flash, FIRST);
+    match (read(flash), has_lost_a_copy) {
         (Ok(Some(profile)), false) => (Some(profile), StoredConfig::Loaded),
         (Ok(Some(profile)), true) => (Some(profile), StoredConfig::FellBack),
         (Ok(None), false) => (None, StoredConfig::Empty),
         (Ok(None), true) => (None, StoredConfig::Damaged),
         // The older one limits, if it is whole.
-        (Err(stored), _) => match older(&mut pages) {
+        (Err(stored), _) => match older(flash) {
             Some(profile) => (Some(profile), StoredConfig::FellBack),
             None => (None, stored),
         },
     }
 }
 
-/// Erasures of the profile's slots together, as [`erasures`] counts the table's.
-pub fn profile_erasures(flash: &mut impl FlashPages) -> u32 {
-    erasures(&mut ProfilePages(flash))
-}
-
 /// The profile beside the newest record, which is a damaged profile.
-fn older(pages: &mut impl FlashPages) -> Option<ActuatorProfile> {
-    let (slot, _) = newest(pages).ok().filter(|(_, record)| is_profile(record))?;
-    let older = other_record(pages, slot).filter(is_profile)?;
-    payload(pages, slot.other(), &older)
+fn older(flash: &mut impl FlashPages) -> Option<ActuatorProfile> {
+    let (slot, _) = newest(flash, FIRST).ok().filter(|(_, record)| is_profile(record))?;
+    let older = other_record(flash, slot).filter(is_profile)?;
+    payload(flash, slot.other(), &older)
 }
 
 fn is_profile(record: &RecordHeader) -> bool {
@@ -84,8 +45,8 @@ fn is_profile(record: &RecordHeader) -> bool {
 }
 
 /// The newest record: a profile, or the absence of one.
-fn read(pages: &mut impl FlashPages) -> Result<Option<ActuatorProfile>, StoredConfig> {
-    let (slot, record) = match newest(pages) {
+fn read(flash: &mut impl FlashPages) -> Result<Option<ActuatorProfile>, StoredConfig> {
+    let (slot, record) = match newest(flash, FIRST) {
         Ok(newest) => newest,
         Err(StoredConfig::Empty) => return Ok(None),
         Err(stored) => return Err(stored),
@@ -94,16 +55,16 @@ fn read(pages: &mut impl FlashPages) -> Result<Option<ActuatorProfile>, StoredCo
     if (record.layout, record.kind) == (LAYOUT, FORGOTTEN) {
         return Ok(None);
     }
-    let profile = is_profile(&record).then(|| payload(pages, slot, &record)).flatten();
+    let profile = is_profile(&record).then(|| payload(flash, slot, &record)).flatten();
     profile.map(Some).ok_or(StoredConfig::Damaged)
 }
 
 /// The profile of a record in a slot, if it is whole.
-fn payload(pages: &mut impl FlashPages, slot: FlashSlot, record: &RecordHeader) -> Option<ActuatorProfile> {
+fn payload(flash: &mut impl FlashPages, slot: FlashSlot, record: &RecordHeader) -> Option<ActuatorProfile> {
     let mut bytes = [0; PROFILE_BYTES];
     for (index, part) in bytes.chunks_exact_mut(FLASH_WORD).enumerate() {
         let mut word = [0; FLASH_WORD];
-        pages.read(slot, (index + 1) * FLASH_WORD, &mut word).ok()?;
+        flash.read(slot, (index + 1) * FLASH_WORD, &mut word).ok()?;
         part.copy_from_slice(&word);
     }
     (CRC.checksum(&bytes) == record.crc).then(|| ActuatorProfile::read(&bytes))?
@@ -111,11 +72,9 @@ fn payload(pages: &mut impl FlashPages, slot: FlashSlot, record: &RecordHeader) 
 
 /// Whether this very profile (or its absence) is stored and the other slot is whole, so that writing would change nothing.
 pub fn holds_profile(flash: &mut impl FlashPages, profile: Option<&ActuatorProfile>) -> bool {
-    let mut pages = ProfilePages(flash);
-    match newest(&mut pages) {
+    match newest(flash, FIRST) {
         Ok((slot, record)) => {
-            is_whole_beside(&mut pages, slot, &record)
-                && read(&mut pages).is_ok_and(|kept| kept.as_ref() == profile)
+            is_whole_beside(flash, slot, &record) && read(flash).is_ok_and(|kept| kept.as_ref() == profile)
         }
         Err(stored) => stored == StoredConfig::Empty && profile.is_none(),
     }
@@ -130,13 +89,12 @@ pub fn save_profile(
     flash: &mut impl FlashPages,
     profile: Option<&ActuatorProfile>,
 ) -> Result<(), FlashError> {
-    let mut pages = ProfilePages(flash);
     let Some(profile) = profile else {
-        return write_record(&mut pages, FORGOTTEN, 0, |_| [0; FLASH_WORD]);
+        return write_record(flash, FIRST, FORGOTTEN, 0, |_| [0; FLASH_WORD]);
     };
     let mut bytes = [0; PROFILE_BYTES];
     profile.write(&mut bytes).ok_or(FlashError)?;
-    write_record(&mut pages, PROFILE, WORDS, |index| {
+    write_record(flash, FIRST, PROFILE, WORDS, |index| {
         let mut word = [0; FLASH_WORD];
         let part = bytes.chunks_exact(FLASH_WORD).nth(index).unwrap_or_default();
         put(&mut word, 0, part);

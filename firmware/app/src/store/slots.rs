@@ -33,19 +33,25 @@ fn is_blank(flash: &mut impl FlashPages, slot: FlashSlot) -> bool {
         .all(|offset| flash.read(slot, offset, &mut word).is_ok() && word.iter().all(|&byte| byte == 0xff))
 }
 
-/// The newest record and its slot.
+/// The newest record of two slots, the first of which is `first`, and its slot.
 ///
 /// # Errors
-/// [`StoredConfig::Empty`] if both slots are blank, else [`StoredConfig::Damaged`].
-pub(super) fn newest(flash: &mut impl FlashPages) -> Result<(FlashSlot, RecordHeader), StoredConfig> {
-    match (content(flash, FlashSlot::A), content(flash, FlashSlot::B)) {
+/// [`StoredConfig::Empty`] if both slots are blank or have no room, else [`StoredConfig::Damaged`].
+pub(super) fn newest(
+    flash: &mut impl FlashPages,
+    first: FlashSlot,
+) -> Result<(FlashSlot, RecordHeader), StoredConfig> {
+    if flash.slot_len(first) < SLOT_BYTES {
+        return Err(StoredConfig::Empty);
+    }
+    match (content(flash, first), content(flash, first.other())) {
         (Content::Record(a), Content::Record(b)) => {
             // Serial-number arithmetic: the sign of the difference is right even when the number has wrapped.
             let b_is_newer = b.sequence.wrapping_sub(a.sequence).cast_signed() > 0;
-            Ok(if b_is_newer { (FlashSlot::B, b) } else { (FlashSlot::A, a) })
+            Ok(if b_is_newer { (first.other(), b) } else { (first, a) })
         }
-        (Content::Record(a), _) => Ok((FlashSlot::A, a)),
-        (_, Content::Record(b)) => Ok((FlashSlot::B, b)),
+        (Content::Record(a), _) => Ok((first, a)),
+        (_, Content::Record(b)) => Ok((first.other(), b)),
         (Content::Blank, Content::Blank) => Err(StoredConfig::Empty),
         _ => Err(StoredConfig::Damaged),
     }
@@ -72,21 +78,15 @@ pub(super) fn is_whole_beside(flash: &mut impl FlashPages, slot: FlashSlot, newe
 
 /// Whether one of the two slots has lost what it held, so that the newest record may be an older one. False where there
 /// is no record at all; [`load`](super::load) reports that.
-pub fn has_lost_a_copy(flash: &mut impl FlashPages) -> bool {
-    if flash.slot_len() < SLOT_BYTES {
-        return false;
-    }
-    newest(flash).is_ok_and(|(slot, record)| !is_whole_beside(flash, slot, &record))
+pub fn has_lost_a_copy(flash: &mut impl FlashPages, first: FlashSlot) -> bool {
+    newest(flash, first).is_ok_and(|(slot, record)| !is_whole_beside(flash, slot, &record))
 }
 
 /// Erasures of both slots together, by the newest record's sequence number. The next record counts an erasure that a
 /// power failure cut short, if it left a trace; several in a row count as one. The count restarts when both records
 /// are lost.
-pub fn erasures(flash: &mut impl FlashPages) -> u32 {
-    if flash.slot_len() < SLOT_BYTES {
-        return 0;
-    }
-    newest(flash).map_or(0, |(_, record)| record.sequence)
+pub fn erasures(flash: &mut impl FlashPages, first: FlashSlot) -> u32 {
+    newest(flash, first).map_or(0, |(_, record)| record.sequence)
 }
 
 /// Erases a slot if anything is in it.

@@ -85,7 +85,7 @@ impl Flash {
 }
 
 impl FlashPages for Flash {
-    fn slot_len(&self) -> usize {
+    fn slot_len(&self, _: FlashSlot) -> usize {
         SLOT_BYTES
     }
 

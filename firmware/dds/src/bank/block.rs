@@ -51,10 +51,9 @@ impl ToneBlock {
     }
 
     /// The phase gained up to sample `n` of the block: `n step + floor((step_end - step) n^2 / 256)`, modulo one turn.
-    #[inline]
-    #[must_use]
+    #[cfg(test)]
     #[expect(clippy::cast_possible_truncation, reason = "phases are counted modulo one turn")]
-    pub const fn phase_gain(&self, n: u32) -> u64 {
+    pub(crate) const fn phase_gain(&self, n: u32) -> u64 {
         let change = self.step_end.wrapping_sub(self.step).cast_signed() as i128;
         let curve = (change * (n as i128 * n as i128)) >> 8;
         self.step.wrapping_mul(n as u64).wrapping_add(curve as u64)

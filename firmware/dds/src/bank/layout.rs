@@ -24,68 +24,53 @@ pub(super) type Words<const GROUPS: usize> = [[[i32; GROUP]; TONES]; GROUPS];
 /// One coefficient per tone and sub-block of a pair.
 pub(super) type Pair = [[i32; PAIR]; TONES];
 
+/// What a steady block needs of each kind, basis or seeds.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub(super) struct Halves<T> {
+    pub(super) even: T,
+    pub(super) odd: T,
+}
+
+impl<T: Copy> Halves<T> {
+    pub(super) const fn both(value: T) -> Self {
+        Self { even: value, odd: value }
+    }
+}
+
 /// The basis of a steady block, 31 fractional bits: `cos(w tau)` (`even`) and `sin(w tau)` (`odd`), `tau = n + 1/2`.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub(super) struct SteadyBasis {
-    pub(super) even: Words<{ STEADY_HALF / GROUP }>,
-    pub(super) odd: Words<{ STEADY_HALF / GROUP }>,
-}
-
-impl SteadyBasis {
-    pub(super) const fn new() -> Self {
-        let none = [[[0; GROUP]; TONES]; STEADY_HALF / GROUP];
-        Self { even: none, odd: none }
-    }
-}
-
+pub(super) type SteadyBasis = Halves<Words<{ STEADY_HALF / GROUP }>>;
 /// The factors of a steady block's basis, 28 fractional bits: `a sin p` (`even`) and `a cos p` (`odd`).
+pub(super) type SteadySeeds = Halves<Pair>;
+
+/// What a gliding block needs of each kind: as [`Halves`], and those of the packed corrections of `bank/glide.rs`.
 #[derive(Clone, Debug)]
 #[repr(C)]
-pub(super) struct SteadySeeds {
-    pub(super) even: Pair,
-    pub(super) odd: Pair,
+pub(super) struct Bent<T> {
+    pub(super) even_bend: T,
+    pub(super) even: T,
+    pub(super) odd_bend: T,
+    pub(super) odd: T,
 }
 
-impl SteadySeeds {
-    pub(super) const fn new() -> Self {
-        Self { even: [[0; PAIR]; TONES], odd: [[0; PAIR]; TONES] }
+impl<T: Copy> Bent<T> {
+    pub(super) const fn all(value: T) -> Self {
+        Self { even_bend: value, odd_bend: value, even: value, odd: value }
     }
 }
 
-/// The basis of a gliding block: as [`SteadyBasis`], and the packed corrections of `bank/glide.rs`.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub(super) struct GlideBasis {
-    pub(super) even_bend: Words<{ GLIDE_HALF / GROUP }>,
-    pub(super) even: Words<{ GLIDE_HALF / GROUP }>,
-    pub(super) odd_bend: Words<{ GLIDE_HALF / GROUP }>,
-    pub(super) odd: Words<{ GLIDE_HALF / GROUP }>,
-}
-
-impl GlideBasis {
-    pub(super) const fn new() -> Self {
-        let none = [[[0; GROUP]; TONES]; GLIDE_HALF / GROUP];
-        Self { even_bend: none, odd_bend: none, even: none, odd: none }
-    }
-}
-
+/// The basis of a gliding block: as [`SteadyBasis`], and the packed corrections.
+pub(super) type GlideBasis = Bent<Words<{ GLIDE_HALF / GROUP }>>;
 /// The factors of a gliding block's basis, for each pair of sub-blocks; their scales are in `bank/glide.rs`.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub(super) struct GlideSeeds {
-    pub(super) even_bend: [Pair; GLIDE_PARTS / PAIR],
-    pub(super) even: [Pair; GLIDE_PARTS / PAIR],
-    pub(super) odd_bend: [Pair; GLIDE_PARTS / PAIR],
-    pub(super) odd: [Pair; GLIDE_PARTS / PAIR],
+pub(super) type GlideSeeds = Bent<[Pair; GLIDE_PARTS / PAIR]>;
+
+/// No words.
+pub(super) const fn no_words<const GROUPS: usize>() -> Words<GROUPS> {
+    [[[0; GROUP]; TONES]; GROUPS]
 }
 
-impl GlideSeeds {
-    pub(super) const fn new() -> Self {
-        let none = [[[0; PAIR]; TONES]; GLIDE_PARTS / PAIR];
-        Self { even_bend: none, odd_bend: none, even: none, odd: none }
-    }
-}
+/// No coefficient.
+pub(super) const NO_PAIR: Pair = [[0; PAIR]; TONES];
 
 /// Turns a tone's amplitude and phase at the block's centre into those at the centres of its two sub-blocks.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,7 @@ use super::layout::{
     GLIDE_HALF, GROUP, GlideBasis, GlideSeeds, PAIR, Pair, STEADY_HALF, SteadyBasis, SteadySeeds, Turn,
 };
 use super::quantize::{MID_SCALE, ROUND, quantize};
-use super::sine::{add_high, high};
+use super::sine::{add_halves, add_high, high};
 use super::{glide, steady};
 
 /// The kernel in Rust. It defines the results, and it runs on hosts.
@@ -110,9 +110,7 @@ fn bend(words: &[[[i32; GROUP]; TONES]], seeds: &Pair, sums: &mut [[i32; PAIR]])
         for (words, seeds) in group.iter().zip(seeds) {
             for (word, sums) in words.iter().zip(&mut *sums) {
                 for (seed, sum) in seeds.iter().zip(sums) {
-                    *sum = sum
-                        .wrapping_add(lower(*word) * lower(*seed))
-                        .wrapping_add((*word >> 16) * (*seed >> 16));
+                    *sum = add_halves(*sum, *word, *seed);
                 }
             }
         }
@@ -121,11 +119,6 @@ fn bend(words: &[[[i32; GROUP]; TONES]], seeds: &Pair, sums: &mut [[i32; PAIR]])
             tau += 2;
         }
     }
-}
-
-/// The signed lower half of a packed word.
-const fn lower(packed: i32) -> i32 {
-    (packed << 16) >> 16
 }
 
 /// Writes `even + odd` upwards and `even - odd` downwards from the centre of each sub-block.

@@ -71,6 +71,13 @@ pub(crate) const fn add_high(sum: i32, a: i32, b: i32) -> i32 {
     sum.wrapping_add(high(a, b))
 }
 
+/// `sum` plus the products of the lower and of the upper halves of two words: one SMLAD.
+#[inline(always)]
+pub(crate) const fn add_halves(sum: i32, a: i32, b: i32) -> i32 {
+    let (lower_a, lower_b) = ((a << 16) >> 16, (b << 16) >> 16);
+    sum.wrapping_add(lower_a * lower_b).wrapping_add((a >> 16) * (b >> 16))
+}
+
 /// `sum` minus a product, upper half, rounded towards minus infinity: one SMMLS.
 #[inline(always)]
 pub(crate) const fn sub_high(sum: i32, a: i32, b: i32) -> i32 {

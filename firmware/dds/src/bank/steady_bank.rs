@@ -2,7 +2,7 @@
 
 use super::block::{BLOCK, TONES, ToneBlock};
 use super::kernel::Kernel;
-use super::layout::{SteadyBasis, SteadySeeds, Turn};
+use super::layout::{NO_PAIR, SteadyBasis, SteadySeeds, Turn, no_words};
 use super::native::Native;
 
 /// Sixteen steady tones with their phases. A block is, bit for bit, the one that [`Bank`](super::Bank) renders of steady tones
@@ -16,12 +16,6 @@ pub struct SteadyBank {
     seeds: SteadySeeds,
 }
 
-impl Default for SteadyBank {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl SteadyBank {
     /// Silence.
     #[must_use]
@@ -30,8 +24,8 @@ impl SteadyBank {
             phases: [0; TONES],
             tones: [ToneBlock::steady(0, 0); TONES],
             turns: [Turn::NONE; TONES],
-            basis: SteadyBasis::new(),
-            seeds: SteadySeeds::new(),
+            basis: SteadyBasis::both(no_words()),
+            seeds: SteadySeeds::both(NO_PAIR),
         }
     }
 

@@ -37,12 +37,6 @@ pub struct History {
     next: usize,
 }
 
-impl Default for History {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl History {
     /// No blocks.
     #[must_use]

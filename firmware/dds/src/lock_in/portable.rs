@@ -5,7 +5,7 @@ use super::fold::{CODE, FOUR_MID, Folds, HALF, Span, WORDS, pack};
 use super::history::PlayedTone;
 use super::kernel::{Block, Kernel};
 use crate::bank::BLOCK;
-use crate::bank::sine::high_rounded;
+use crate::bank::sine::{add_halves, high_rounded};
 
 /// The computations in Rust. They define the results, and run on hosts.
 pub(super) struct Portable;
@@ -104,12 +104,5 @@ fn folded(codes: &[u16; 2 * HALF]) -> [[i32; 2]; HALF] {
 
 /// Both halves of each word times both halves of the other, summed.
 fn products(words: &[i32; WORDS], codes: &[i32; WORDS]) -> i32 {
-    words.iter().zip(codes).fold(0, |sum: i32, (word, code)| {
-        sum.wrapping_add(lower(*word) * lower(*code)).wrapping_add((word >> 16) * (code >> 16))
-    })
-}
-
-/// The signed lower half of a packed word.
-const fn lower(packed: i32) -> i32 {
-    (packed << 16) >> 16
+    words.iter().zip(codes).fold(0, |sum, (word, code)| add_halves(sum, *word, *code))
 }

@@ -4,7 +4,7 @@ use super::codes::Codes;
 use super::error::MeasureError;
 use super::setback::ended_by;
 use slipline_link::{DeviceTable, Outcome, Request, Snapshot};
-use std::cell::RefCell;
+use std::cell::{RefCell, RefMut};
 use std::future::poll_fn;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -18,21 +18,21 @@ const LOOKS: u32 = 400;
 pub struct Dialogue(Rc<RefCell<State>>);
 
 #[derive(Default)]
-struct State {
-    asked: Option<Request>,
-    outcome: Option<Outcome>,
+pub(super) struct State {
+    pub(super) asked: Option<Request>,
+    pub(super) outcome: Option<Outcome>,
     /// A request whose outcome is awaited while others are sent; and that outcome.
-    begun: Option<Request>,
-    ended: Option<Outcome>,
+    pub(super) begun: Option<Request>,
+    pub(super) ended: Option<Outcome>,
     /// The device's sample index in its last status.
     now: u64,
     codes: Option<Codes>,
     /// The plate's own table, while the device may hold another.
-    own_table: Option<Arc<DeviceTable>>,
+    pub(super) own_table: Option<Arc<DeviceTable>>,
     progress: Progress,
-    is_checking: bool,
+    pub(super) is_checking: bool,
     /// Whether the last request was a stop and has been carried out.
-    is_silent: bool,
+    pub(super) is_silent: bool,
 }
 
 /// Progress of a procedure, in samples.
@@ -151,24 +151,9 @@ impl Dialogue {
         state.is_checking = is_checking;
     }
 
-    pub(super) fn asked(&self) -> Option<Request> {
-        self.0.borrow_mut().asked.take()
-    }
-
-    pub(super) fn answer(&self, outcome: Outcome) {
-        self.0.borrow_mut().outcome = Some(outcome);
-    }
-
-    pub(super) fn begun(&self) -> Option<Request> {
-        self.0.borrow_mut().begun.take()
-    }
-
-    pub(super) fn end(&self, outcome: Outcome) {
-        self.0.borrow_mut().ended = Some(outcome);
-    }
-
-    pub(super) fn own_table(&self) -> Option<Arc<DeviceTable>> {
-        self.0.borrow_mut().own_table.take()
+    /// Its state, for the side of the device.
+    pub(super) fn state(&self) -> RefMut<'_, State> {
+        self.0.borrow_mut()
     }
 
     pub(super) fn follow(&self, snapshot: &Snapshot) {
@@ -177,14 +162,6 @@ impl Dialogue {
             codes.follow(snapshot);
         }
         state.now = snapshot.drive.status.map_or(state.now, |status| status.now);
-    }
-
-    pub(super) fn is_silent(&self) -> bool {
-        self.0.borrow().is_silent
-    }
-
-    pub(super) fn is_checking(&self) -> bool {
-        self.0.borrow().is_checking
     }
 
     /// The share that is done, 0 to 1, when the device is at sample `now`.

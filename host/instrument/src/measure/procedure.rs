@@ -92,10 +92,11 @@ impl<P: Procedure> Run<P> {
             }
             if let Some(outcome) = self.begun.and_then(|ticket| snapshot.outcome(ticket)) {
                 self.begun = None;
-                self.dialogue.end(outcome.clone());
+                self.dialogue.state().ended = Some(outcome.clone());
             }
             let step = self.step();
-            if let Some(request) = self.dialogue.begun() {
+            let begun = self.dialogue.state().begun.take();
+            if let Some(request) = begun {
                 self.begun = Some(send(request));
             }
             match step {
@@ -126,16 +127,16 @@ impl<P: Procedure> Run<P> {
                 }
                 Poll::Ready(Err(error)) => {
                     self.fail(error);
-                    if self.dialogue.is_silent() {
+                    if self.dialogue.state().is_silent {
                         self.stage = Stage::Restoring;
                     }
                 }
             }
         }
         let request = match self.stage {
-            Stage::Running => self.dialogue.asked(),
+            Stage::Running => self.dialogue.state().asked.take(),
             Stage::Stopping => Some(Request::Stop),
-            Stage::Restoring => self.dialogue.own_table().map(Request::Upload),
+            Stage::Restoring => self.dialogue.state().own_table.take().map(Request::Upload),
             Stage::Ended => None,
         };
         let Some(request) = request else {
@@ -153,7 +154,7 @@ impl<P: Procedure> Run<P> {
             return;
         }
         match self.stage {
-            Stage::Running => self.dialogue.answer(outcome.clone()),
+            Stage::Running => self.dialogue.state().outcome = Some(outcome.clone()),
             Stage::Stopping => self.stage = Stage::Restoring,
             Stage::Restoring => {
                 if !matches!(outcome, Outcome::Done { .. }) {
@@ -204,7 +205,7 @@ impl<P: Procedure> Run<P> {
     /// Whether the drive is being checked.
     #[must_use]
     pub fn is_checking(&self) -> bool {
-        self.dialogue.is_checking()
+        self.dialogue.state().is_checking
     }
 
     /// Its result.

@@ -400,17 +400,8 @@ impl<W: BlockingLink> Client<W> {
 
     /// Sends a request and returns the sample index at which its effect begins.
     fn perform_at(&self, request: Request) -> Result<u64, ClientError> {
-        match self.perform(request)? {
-            Outcome::Done { at } => Ok(at),
-            Outcome::Digest(_)
-            | Outcome::Listened(_)
-            | Outcome::Captured(_)
-            | Outcome::Refused(_)
-            | Outcome::DeviceTooOld
-            | Outcome::Superseded
-            | Outcome::NotConnected => Err(ClientError::Unexpected),
-            _ => Err(ClientError::Unexpected),
-        }
+        let Outcome::Done { at } = self.perform(request)? else { return Err(ClientError::Unexpected) };
+        Ok(at)
     }
 }
 

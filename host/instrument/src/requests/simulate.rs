@@ -71,31 +71,27 @@ impl PlannedSimulation<'_> {
     /// [`SimulationError`]: the plate, its tones or the solver are refused, or `progress` has stopped it.
     pub fn run(&self, progress: &mut Progress<'_>) -> Result<Simulated, SimulationError> {
         let tones: Vec<_> = self.places.iter().map(|tone| (tone.turning_point_m, tone.level)).collect();
-        let simulation = Simulation {
-            plate: &self.request.plate,
-            actual: self.request.actual(),
-            tones: &tones,
-            sounding: self.sounding.clone(),
-            has_gains: self.request.has_gains,
-            seconds: self.request.seconds,
-            solver: self.request.solver,
-            finger: self.request.finger,
-        };
-        simulation.run(self.table, progress)
+        let SimulateRequest { ref plate, has_gains, seconds, solver, finger, .. } = *self.request;
+        let (actual, sounding) = (self.request.actual(), self.sounding.clone());
+        Simulation { plate, actual, tones: &tones, sounding, has_gains, seconds, solver, finger }
+            .run(self.table, progress)
     }
 
     /// The drive with its result, as it is answered.
     #[must_use]
     pub fn drive<'a>(&'a self, feeling: &'a NamedFeeling, result: &'a Simulated) -> SimulatedDrive<'a> {
+        let Self { request, ref places, chord_gain_db, sensitivity, .. } = *self;
+        let SimulateRequest { ref plate, has_gains, solver, .. } = *request;
+        let (actual, feeling) = (request.actual(), (&feeling.feeling, feeling.from.as_deref()));
         SimulatedDrive {
-            plate: &self.request.plate,
-            actual: self.request.actual(),
-            places: &self.places,
-            feeling: (&feeling.feeling, feeling.from.as_deref()),
-            has_gains: self.request.has_gains,
-            chord_gain_db: self.chord_gain_db,
-            sensitivity: self.sensitivity,
-            solver: self.request.solver,
+            plate,
+            actual,
+            places,
+            feeling,
+            has_gains,
+            chord_gain_db,
+            sensitivity,
+            solver,
             result,
         }
     }

@@ -116,22 +116,10 @@ impl CommandQueue {
             Event::Refused(refusal) => {
                 return self.refused(&task, &command, Refusal::Device(refusal), recorder);
             }
-            Event::Maintenance(reported) => {
-                recorder.maintenance(reported);
-                recorder.finish(task.ticket, Outcome::Done { at: 0 });
-            }
-            Event::Wear(reported) => {
-                recorder.wear(reported);
-                recorder.finish(task.ticket, Outcome::Done { at: 0 });
-            }
-            Event::Profile(reported) => {
-                recorder.profile(reported);
-                recorder.finish(task.ticket, Outcome::Done { at: 0 });
-            }
-            Event::Board(reported) => {
-                recorder.board(reported);
-                recorder.finish(task.ticket, Outcome::Done { at: 0 });
-            }
+            Event::Maintenance(reported) => recorder.take(task.ticket, |it| it.maintenance(reported)),
+            Event::Wear(reported) => recorder.take(task.ticket, |it| it.wear(reported)),
+            Event::Profile(reported) => recorder.take(task.ticket, |it| it.profile(reported)),
+            Event::Board(reported) => recorder.take(task.ticket, |it| it.board(reported)),
             Event::Table(report) => {
                 recorder.table(report);
                 let now_at = recorder.view.drive.status.map_or(0, |status| status.now);

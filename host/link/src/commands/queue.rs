@@ -15,6 +15,7 @@ use crate::refusal::Refusal;
 use crate::request::{Outcome, Request, Ticket};
 use slipline_protocol::Command;
 use slipline_protocol::command::{ArmLease, ProfileSetting};
+use slipline_protocol::listen::{CapturePart, ListenPart};
 use slipline_protocol::units::SampleIndex;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -35,7 +36,7 @@ pub(crate) enum Next {
 }
 
 /// The commands to one device, from hello to closing.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct CommandQueue {
     pub(super) channel: Channel,
     pub(super) stage: Stage,
@@ -62,22 +63,7 @@ impl CommandQueue {
         let mut channel = Channel::new(nonce, keeps_frames);
         let hello = channel.hello();
         channel.send(hello, now);
-        Self {
-            channel,
-            stage: Stage::Hello,
-            connect,
-            tasks: VecDeque::new(),
-            current: None,
-            urgent: Vec::new(),
-            uploads: Uploads::default(),
-            upload_turn: false,
-            keep_alive_due: now + KEEP_ALIVE_PERIOD,
-            status_wanted: Vec::new(),
-            status_asked: Vec::new(),
-            status_stale: false,
-            renumberings: 0,
-            closing: None,
-        }
+        Self { channel, connect, keep_alive_due: now + KEEP_ALIVE_PERIOD, ..Self::default() }
     }
 
     pub(crate) const fn channel(&mut self) -> &mut Channel {
@@ -322,9 +308,15 @@ impl CommandQueue {
             Job::DigestRead => Command::DigestRead,
             Job::HoldRead => Command::HoldRead,
             Job::Listen(request) => Command::Listen(request.window()),
-            Job::Capture(request) => Command::Capture(request.window()),
-            Job::ListenRead(reading) => Command::ListenRead(reading.part()),
-            Job::CaptureRead(reading) => Command::CaptureRead(reading.part()),
+            Job::Capture(request) => Command::Capture(*request),
+            Job::ListenRead(reading) => Command::ListenRead(ListenPart {
+                input: reading.request.input,
+                first_slot: reading.first_slot,
+            }),
+            // At most 4096 values.
+            Job::CaptureRead(reading) => {
+                Command::CaptureRead(CapturePart { first: reading.captured.values.len() as u16 })
+            }
             Job::Hold(request) => {
                 let Some(identity) = &recorder.view.device.identity else { return true };
                 match request.for_device(identity, recorder.view.slowest_limit().as_ref()) {

@@ -12,7 +12,7 @@ use crate::recorder::Recorder;
 use crate::refusal::Refusal;
 use crate::request::Outcome;
 use crate::snapshot::LinkState;
-use slipline_protocol::event::{Accepted, AcceptedUntil, Identity, State, Status};
+use slipline_protocol::event::{Identity, State, Status};
 use slipline_protocol::timing::Timing;
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Version;
@@ -165,24 +165,8 @@ impl CommandQueue {
 
 /// The index at which the device carries out the command, or its refusal.
 fn accepted_at(event: &Event) -> Result<SampleIndex, Refusal> {
-    match event {
-        Event::Accepted(Accepted { at }) | Event::AcceptedUntil(AcceptedUntil { at, .. }) => Ok(*at),
-        Event::Refused(refusal) => Err(Refusal::Device(*refusal)),
-        Event::Hello(_)
-        | Event::Status(_)
-        | Event::Maintenance(_)
-        | Event::Board(_)
-        | Event::Profile(_)
-        | Event::Wear(_)
-        | Event::Unchanged(_)
-        | Event::TravelLimit(_)
-        | Event::Trigger(_)
-        | Event::Table(_)
-        | Event::Digest(_)
-        | Event::Inputs(_)
-        | Event::Listened(_)
-        | Event::Captured(_)
-        | Event::Held(_)
-        | Event::BootloaderToken(_) => Err(Refusal::UnexpectedReply),
+    if let Event::Refused(refusal) = event {
+        return Err(Refusal::Device(*refusal));
     }
+    event.accepted_at().ok_or(Refusal::UnexpectedReply)
 }

@@ -128,9 +128,10 @@ pub(super) enum Current {
 }
 
 /// Progress of the handshake.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Stage {
     /// The hello is sent.
+    #[default]
     Hello,
     /// The hello is answered; status and table are being read.
     Reading,

@@ -105,7 +105,7 @@ impl Replay {
                 let is_complete = entry.number == 1 || entry.change == Change::Session;
                 self.begin(history, entry.at, is_complete);
                 if entry.number != 1 {
-                    self.exactness.miss_foldback();
+                    self.exactness.misses_foldback = true;
                 }
             } else if entry.number <= self.latest {
                 continue;
@@ -183,13 +183,13 @@ impl Replay {
         if at_front {
             self.begin(history, at, false);
         } else {
-            self.exactness.miss_foldback();
+            self.exactness.misses_foldback = true;
         }
     }
 
     /// A step of the fold-back was missed: the status reports the present value.
     fn catch_up_foldback(&mut self, history: &DeviceHistory) {
-        let Some(mirror) = self.mirror.as_mut().filter(|_| self.exactness.misses_foldback()) else { return };
+        let Some(mirror) = self.mirror.as_mut().filter(|_| self.exactness.misses_foldback) else { return };
         let since = Timing::at(self.sample_rate_hz).limit_since(history.now).max(mirror.now());
         // It begins with the mirror's next block at the earliest, so it cannot be too late.
         let _ = mirror.acknowledge_limit(history.foldback_per_mille, since);
@@ -229,11 +229,11 @@ impl Replay {
         };
         match (&entry.change, entry.is_exact) {
             (Change::Limit(_), is_exact) => {
-                if self.exactness.misses_foldback() || !is_exact {
+                if self.exactness.misses_foldback || !is_exact {
                     self.exactness.foldback_known(entry.at);
                 }
             }
-            (Change::Hold, _) | (_, false) => self.exactness.miss_sound(),
+            (Change::Hold, _) | (_, false) => self.exactness.misses_sound = true,
             (_, true) => {}
         }
     }
@@ -255,7 +255,7 @@ impl Replay {
         let rendered = mirror.now();
         let target = at - AHEAD;
         if target >= rendered {
-            if self.exactness.misses_sound() || !mirror.is_true() {
+            if self.exactness.misses_sound || !mirror.is_true() {
                 self.exactness.silent(silent.max(rendered));
             }
             mirror.silence(target);

@@ -40,6 +40,7 @@ impl MemoryFlash {
 }
 
 /// State of the peripherals.
+#[derive(Default)]
 pub(super) struct PeripheralState {
     pub(super) to_device: VecDeque<u8>,
     pub(super) from_device: Vec<u8>,
@@ -96,29 +97,13 @@ impl Peripherals {
         inputs: Option<Inputs>,
     ) -> Self {
         Self(Arc::new(Mutex::new(PeripheralState {
-            to_device: VecDeque::new(),
-            from_device: Vec::new(),
-            transmit_stalled: false,
-            room: false,
-            sent: None,
             holds,
-            waiting: None,
-            rises: false,
-            has_risen: false,
-            is_button_pressed: false,
-            is_stop_open: false,
-            is_stop_fitted: None,
-            underrun: false,
             last: MID_SCALE,
-            fading: false,
             muted: true,
-            has_muted: false,
-            was_stopped: false,
             inputs,
             flash,
             brown_out_guarded,
-            mute_resistor_missing: false,
-            in_bootloader: false,
+            ..PeripheralState::default()
         })))
     }
 
@@ -303,12 +288,8 @@ impl Button for Peripherals {
 }
 
 impl FlashPages for Peripherals {
-    fn slot_len(&self) -> usize {
-        self.lock().flash.slots[0].len()
-    }
-
-    fn profile_slot_len(&self) -> usize {
-        self.lock().flash.slots[2].len()
+    fn slot_len(&self, slot: FlashSlot) -> usize {
+        self.lock().flash.slots[slot as usize].len()
     }
 
     fn endurance(&self) -> u32 {

@@ -7,7 +7,7 @@ use crate::field::tone_places::TonePlaces;
 use crate::texture::{self, Fitted, Made, ProfileRead, Rest, Wish};
 use serde::Serialize;
 use slipline_plate::feeling::Feeling;
-use slipline_plate::texture::{CHORD_PERIOD, ChordTexture, Palette, TextureError};
+use slipline_plate::texture::{CHORD_PERIOD, ChordTexture, Figures, Palette, TextureError};
 use slipline_plate::{Plate, Progress};
 
 /// Makes a texture of at most `most` tones (1 to 16), the slower steps included, for a usual finger.
@@ -73,9 +73,8 @@ pub struct TextureToneAnswer {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct ReachAnswer {
-    pub rms_error: f64,
-    pub ripple_db: Option<f64>,
-    pub contrast_db: Option<f64>,
+    #[serde(flatten)]
+    pub figures: Figures,
     pub largest_square_error: Option<f64>,
 }
 
@@ -88,9 +87,8 @@ pub struct ChordAnswer<'a> {
     pub harmonics: &'a [u32],
     pub chord_gain_db: Option<f64>,
     pub headroom_db: f64,
-    pub rms_error: f64,
-    pub ripple_db: Option<f64>,
-    pub contrast_db: Option<f64>,
+    #[serde(flatten)]
+    pub figures: Figures,
 }
 
 impl<'a> TextureAnswer<'a> {
@@ -131,27 +129,19 @@ impl<'a> TextureAnswer<'a> {
 
 impl ReachAnswer {
     fn of(Fitted { texture, .. }: &Fitted, rest: Option<&Rest>) -> Self {
-        Self {
-            rms_error: texture.reach.rms_error,
-            ripple_db: texture.reach.ripple_db,
-            contrast_db: texture.reach.contrast_db,
-            largest_square_error: rest.map(|rest| rest.largest_square_error),
-        }
+        Self { figures: texture.reach, largest_square_error: rest.map(|rest| rest.largest_square_error) }
     }
 }
 
 impl<'a> ChordAnswer<'a> {
     fn of(chord: &'a ChordTexture, is_used: bool, made: &Made) -> Self {
-        let figures = chord.texture.figures;
         Self {
             is_used,
             base_frequency_hz: f64::from(SAMPLE_RATE_HZ) / f64::from(CHORD_PERIOD),
             harmonics: &chord.harmonics,
             chord_gain_db: made.chord_gain_db(),
             headroom_db: chord.gain_db,
-            rms_error: figures.rms_error,
-            ripple_db: figures.ripple_db,
-            contrast_db: figures.contrast_db,
+            figures: chord.texture.figures,
         }
     }
 }

@@ -221,7 +221,7 @@ impl Simulation<'_> {
         let mut waves = Waves::new(self.actual, self.finger.as_ref(), self.solver, rate_hz, &frequencies)?;
         begun.chunks(BLOCK).for_each(|codes| waves.push(codes));
 
-        let settle_s = glide_s + waves.settle_time_s();
+        let settle_s = glide_s + waves.settle_s;
         let (settle_s, window_s) = match self.seconds {
             None => (settle_s, window_s(&frequencies)),
             Some(seconds) => {

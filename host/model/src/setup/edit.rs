@@ -202,16 +202,13 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
 /// The drive request for a setup.
 #[must_use]
 pub fn drive(setup: &Setup) -> DriveRequest {
-    let tones = setup
-        .tones
-        .iter()
-        .map(|tone| ToneRequest {
-            slot: tone.slot,
-            boundary_m: tone.position_m,
-            level: tone.level,
-            phase_turns: tone.phase_turns,
-        })
-        .collect();
+    let tone = |&ToneSetup { slot, position_m, level, phase_turns }: &ToneSetup| ToneRequest {
+        slot,
+        boundary_m: position_m,
+        level,
+        phase_turns,
+    };
+    let tones = setup.tones.iter().map(tone).collect();
     DriveRequest { tones, master_db: setup.master_db, glide_s: setup.glide_s, apply: Apply::Next }
 }
 

@@ -30,7 +30,8 @@ use crate::setup::{BoundaryMode, CHORD_GAIN_RANGE_DB, MAX_TONES, Setup, ToneSetu
 use slipline_plate::quantity::{Count, Counted, OutOfRange, Range, WrongCount, must_be};
 use slipline_plate::{Plate, PlateFileError};
 use std::sync::Arc;
-use text::{SetupText, ToneText};
+pub use text::FeelingText;
+use text::{BoundaryText, SetupText, ToneText};
 
 /// The largest file that is read, in bytes: a plate file with every taper point fits.
 pub const FILE_BYTES_MAX: usize = 1 << 20;
@@ -156,22 +157,19 @@ fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {
 /// The setup as TOML text that [`read`] reads back to the same setup.
 #[must_use]
 pub fn write(setup: &Setup) -> String {
-    let tones = setup
-        .tones
-        .iter()
-        .map(|tone| ToneText {
-            slot: i64::from(tone.slot),
-            position_m: tone.position_m,
-            level: tone.level,
-            phase_turns: tone.phase_turns,
-        })
-        .collect();
+    let tone = |&ToneSetup { slot, position_m, level, phase_turns }: &ToneSetup| ToneText {
+        slot: slot.into(),
+        position_m,
+        level,
+        phase_turns,
+    };
+    let tones = setup.tones.iter().map(tone).collect();
     let text = SetupText {
         slipline_setup: VERSION,
         master_db: setup.master_db,
         glide_s: setup.glide_s,
         chord_gain_db: setup.chord_gain_db,
-        boundary: setup.boundary.into(),
+        boundary: BoundaryText { holds: setup.boundary.word().to_owned() },
         feeling: setup.feeling.into(),
         tones,
         plate: toml::from_str(&setup.plate.to_toml()).unwrap_or_default(),

@@ -54,6 +54,17 @@ pub enum BoundaryMode {
     TurningPoint,
 }
 
+impl BoundaryMode {
+    /// Its word, in files and on the command line.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::FeltEdge => "felt-edge",
+            Self::TurningPoint => "turning-point",
+        }
+    }
+}
+
 /// Everything the user has set up.
 #[derive(Clone, Debug)]
 pub struct Setup {

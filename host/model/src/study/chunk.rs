@@ -38,7 +38,7 @@ impl Status {
 }
 
 /// The results of the plates `first`, `first` + 1, ... Arrays of two dimensions are flat, plate by plate.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chunk {
     /// Number of the first plate.
     pub first: u64,
@@ -54,13 +54,7 @@ pub struct Chunk {
 }
 
 impl Chunk {
-    pub(super) const fn empty(first: u64) -> Self {
-        Self {
-            first,
-            status: Vec::new(),
-            varied: Vec::new(),
-            turning_point_shift_m: Vec::new(),
-            level_db: Vec::new(),
-        }
+    pub(super) fn empty(first: u64) -> Self {
+        Self { first, ..Self::default() }
     }
 }

@@ -55,32 +55,20 @@ impl Site<'_> {
         self.response.peak.map_or(self.boundary_m, |peak| peak.position_m)
     }
 
-    /// A light with its colour by `value` and `limits`, where larger is worse.
+    /// A light with its colour by `value` and `limit`, with a sentence per colour.
     pub(super) fn graded(
         &self,
         name: &'static str,
         value: f64,
         unit: &'static str,
-        limits: Limits,
+        limit: Limit,
         sentences: [String; 3],
     ) -> Finding {
-        let colour = colour(value, limits);
-        let finding = self.judged(name, Some(value), unit, colour, value, pick(colour, sentences));
-        finding.limited(Limit::AtMost(limits))
-    }
-
-    /// A light that is the redder the less it measures, with a sentence per colour.
-    pub(super) fn graded_at_least(
-        &self,
-        name: &'static str,
-        value: f64,
-        unit: &'static str,
-        limits: Limits,
-        sentences: [String; 3],
-    ) -> Finding {
-        let colour = colour_at_least(value, limits);
-        let finding = self.judged(name, Some(value), unit, colour, -value, pick(colour, sentences));
-        finding.limited(Limit::AtLeast(limits))
+        let (colour, severity) = match limit {
+            Limit::AtMost(limits) => (colour(value, limits), value),
+            Limit::AtLeast(limits) => (colour_at_least(value, limits), -value),
+        };
+        self.judged(name, Some(value), unit, colour, severity, pick(colour, sentences)).limited(limit)
     }
 
     /// A light of a given colour.
@@ -123,15 +111,9 @@ pub(super) fn pick(colour: Colour, [green, amber, red]: [String; 3]) -> String {
     }
 }
 
-/// Green from the first limit on, amber from the second on.
-pub(super) fn colour_at_least(measure: f64, limits: Limits) -> Colour {
-    if measure >= limits.green {
-        Colour::Green
-    } else if measure >= limits.amber {
-        Colour::Amber
-    } else {
-        Colour::Red
-    }
+/// Green from the first limit on, amber from the second on; NaN is red.
+pub(super) fn colour_at_least(measure: f64, Limits { green, amber }: Limits) -> Colour {
+    colour(-measure, Limits { green: -green, amber: -amber })
 }
 
 /// Green up to the first limit, amber up to the second; NaN is red.

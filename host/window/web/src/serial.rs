@@ -60,6 +60,7 @@ struct Queues {
 }
 
 /// The bytes of one line.
+#[derive(Default)]
 struct Queue {
     number: u32,
     /// The board to open, until the glue learns of it.
@@ -90,15 +91,7 @@ impl Boards {
         let id = found.map(|(id, _)| *id).ok_or_else(|| LinkError::NoSuchPort(port.clone()))?;
         queues.lines += 1;
         let number = queues.lines;
-        queues.line = Some(Queue {
-            number,
-            unopened: Some(id),
-            is_open: false,
-            received: Vec::new(),
-            unwritten: Vec::new(),
-            is_writing: false,
-            end: None,
-        });
+        queues.line = Some(Queue { number, unopened: Some(id), ..Queue::default() });
         Ok(BoardLine { boards: self.clone(), number })
     }
 

@@ -8,7 +8,7 @@ use std::vec::Vec;
 
 /// Memory for one capture.
 fn memory() -> &'static Values {
-    Box::leak(Box::default())
+    Box::leak(Box::new(Values::new()))
 }
 
 /// The code at an index: a hash of it, so that a block at another index has other codes.
@@ -31,7 +31,7 @@ fn captured(recipe: Recipe) -> Capture<'static> {
     capture.start(recipe, 0, INPUTS).expect("it can be made");
     let end = recipe.begin + (u64::from(recipe.values) << recipe.log2_codes);
     for index in (0..end).step_by(BLOCK) {
-        assert_eq!(capture.progress(), Progress::Capturing);
+        assert_eq!(capture.progress(), Progress::Running);
         capture.take_block(index, &block(index));
     }
     capture

@@ -1,8 +1,7 @@
 //! The result of a window: each tone's amplitude at one input.
 
-use crate::ports::INPUTS;
 use slipline_dds::bank::TONES;
-use slipline_dds::lock_in::{BASIS_ONE, InPhaseQuadrature, Reading, Span};
+use slipline_dds::lock_in::{BASIS_ONE, InPhaseQuadrature, Span};
 
 /// The highest code.
 const HIGHEST_CODE: u16 = 0x0FFF;
@@ -25,8 +24,11 @@ pub(super) enum Untrusted {
 
 impl Answers {
     /// The answers of a finished reading. `None` if the board has no such input.
-    #[must_use]
-    pub fn of(reading: &Reading<INPUTS>, input: usize) -> Option<Self> {
+    #[cfg(test)]
+    pub(super) fn of(
+        reading: &slipline_dds::lock_in::Reading<{ crate::ports::INPUTS }>,
+        input: usize,
+    ) -> Option<Self> {
         let span = reading.spans.get(input).copied().flatten()?;
         let amplitudes = core::array::from_fn(|slot| {
             reading.answer(input, slot).and_then(|answer| amplitude(answer, reading.weight))

@@ -266,7 +266,7 @@ fn a_measurement_that_waits_for_a_lost_block_breaks_without_a_further_block() {
         assert!(listener.listen(&mut stream));
         let waits = lost < 3;
         assert_eq!(listener.lock_in.state() == State::Measuring, waits, "{lost} blocks are lost");
-        assert_eq!(listener.capture.progress() == Progress::Capturing, waits);
+        assert_eq!(listener.capture.progress() == Progress::Running, waits);
     }
     assert_eq!(listener.lock_in.state(), State::Broken { at: 256 });
     assert_eq!(listener.capture.progress(), Progress::Broken { at: 300 });

@@ -60,12 +60,6 @@ pub struct Proof {
     samples: [i32; BLOCK],
 }
 
-impl Default for Proof {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl Proof {
     /// Before the first proof.
     #[must_use]
@@ -139,12 +133,6 @@ impl Proof {
 pub struct Candidate {
     pub(crate) tones: ChordTones,
     pub(crate) proof: Proof,
-}
-
-impl Default for Candidate {
-    fn default() -> Self {
-        Self::new()
-    }
 }
 
 impl Candidate {

@@ -16,7 +16,6 @@ use slipline_protocol::units::{CentiDecibel, Level, Phase};
 use super::*;
 use crate::mailbox::{Mailbox, Stop};
 use crate::planning::plan::Planner;
-use crate::planning::ramp::RampShape;
 use crate::renderer::Renderer;
 use crate::slots::{SlotIndex, TableRef};
 
@@ -94,9 +93,9 @@ impl Rig {
         ) -> Result<crate::motion::Motion, Refusal>,
     ) -> Result<(), Refusal> {
         let view = self.mailbox.view();
-        let (shape, timing, mut never) = (RampShape::new(), Timing::at(RATE), || false);
+        let (timing, mut never) = (Timing::at(RATE), || false);
         let slots = self.mailbox.slots();
-        let mut planner = Planner { slots, shape: &shape, timing: &timing, is_stopped: &mut never };
+        let mut planner = Planner { slots, timing: &timing, is_stopped: &mut never };
         let motion = plan(&mut planner, &view, self.table)?;
         self.mailbox.publish(&motion, &view).unwrap();
         Ok(())

@@ -69,11 +69,11 @@ proptest! {
             }
             table.knots = knots.len() as u16;
         }
-        let (shape, timing) = (RampShape::new(), Timing::at(400_000));
+        let timing = Timing::at(400_000);
         let (mut motion, mut at, mut active) = (Motion::silent(), 0, 0);
         for (drive, later, swap) in drives {
             let mut never = || false;
-            let mut planner = Planner { slots: &slots, shape: &shape, timing: &timing, is_stopped: &mut never };
+            let mut planner = Planner { slots: &slots, timing: &timing, is_stopped: &mut never };
             let planned = if swap {
                 active = 1 - active;
                 planner.swap(at, tables[active], &motion)
@@ -93,7 +93,7 @@ proptest! {
             }
             let until = block_at_or_after(at + later);
             while at < until {
-                let (start, end) = (motion.at(at, &slots, &shape), motion.at(at + BLOCK_SAMPLES, &slots, &shape));
+                let (start, end) = (motion.at(at, &slots), motion.at(at + BLOCK_SAMPLES, &slots));
                 let sum: u64 = end.iter().map(|placement| u64::from(placement.amplitude().0)).sum();
                 prop_assert!(sum <= u64::from(Gain::FULL.0), "{sum}");
                 for (start, end) in start.iter().zip(&end) {
@@ -120,13 +120,13 @@ fn a_table_swap_leaves_a_glide_its_time() {
         }
     }
     let table = |slot| TableRef { slot, knots: 2 };
-    let (shape, timing) = (RampShape::new(), Timing::at(400_000));
+    let timing = Timing::at(400_000);
     let tone = Tone { slot: 0, position: Position(0), level: Level::FULL, phase: Phase(0) };
     let glide = 100 * timing.table_glide;
     let drive =
         Drive { tones: [tone].into_iter().collect(), master: CentiDecibel(0), glide, apply: Apply::Next };
     let mut never = || false;
-    let mut planner = Planner { slots: &slots, shape: &shape, timing: &timing, is_stopped: &mut never };
+    let mut planner = Planner { slots: &slots, timing: &timing, is_stopped: &mut never };
     let rise = planner.drive(&drive, 0, table(SlotIndex::First), &Motion::silent()).unwrap();
     let mut swapped = |at| planner.swap(at, table(SlotIndex::Second), &rise).unwrap();
     let glide = u64::from(glide);

@@ -14,7 +14,6 @@ use slipline_protocol::units::{CentiDecibel, Level, Phase, Position};
 use super::*;
 use crate::motion::Placement;
 use crate::planning::plan::Planner;
-use crate::planning::ramp::RampShape;
 use crate::timing::block_at_or_after;
 
 /// Low, so that a second has few samples.
@@ -55,7 +54,6 @@ fn drive(tones: &[(u16, u16)], glide: u32) -> Drive {
 struct TravelBench {
     slots: Box<TableSlots>,
     excursion: Excursion,
-    shape: RampShape,
     timing: Timing,
     motion: Motion,
     at: u64,
@@ -76,7 +74,6 @@ impl TravelBench {
         Self {
             slots,
             excursion,
-            shape: RampShape::new(),
             timing: Timing::at(RATE),
             motion: Motion::silent(),
             at: 0,
@@ -92,7 +89,7 @@ impl TravelBench {
     }
 
     fn planner<'a>(&'a self, is_stopped: &'a mut dyn FnMut() -> bool) -> Planner<'a> {
-        Planner { slots: &self.slots, shape: &self.shape, timing: &self.timing, is_stopped }
+        Planner { slots: &self.slots, timing: &self.timing, is_stopped }
     }
 
     /// As the controller does it.
@@ -143,7 +140,7 @@ impl TravelBench {
     }
 
     fn places(&self, at: u64) -> [Placement; MAX_TONES] {
-        self.motion.at(at, &self.slots, &self.shape)
+        self.motion.at(at, &self.slots)
     }
 
     /// Samples until free motion has fallen to a thousandth: seven times its time constant.
@@ -336,11 +333,15 @@ fn a_way_is_judged_by_all_intervals_that_it_touches_whatever_came_first() {
     for (first, end) in (0..16).map(|first| (first, first + 1)).chain([(16, 23), (23, TABLE.knots)]) {
         in_chunks.written(TableRef { knots: end, ..TABLE }, first, &bench.slots);
     }
-    let largest: Vec<f32> = [&bench.excursion, &in_chunks].iter().map(|it| it.first.largest(0, 32)).collect();
+    let largest: Vec<f32> =
+        [&bench.excursion, &in_chunks].iter().map(|it| it.groups[0].largest(0, 32)).collect();
     assert_eq!(largest[0], largest[1]);
     for first in 0..32 {
         for last in first + 1..=32 {
-            assert_eq!(bench.excursion.first.largest(first, last), in_chunks.first.largest(first, last));
+            assert_eq!(
+                bench.excursion.groups[0].largest(first, last),
+                in_chunks.groups[0].largest(first, last)
+            );
         }
     }
     assert!((largest[0] - 5.0).abs() < 0.03, "{largest:?}");

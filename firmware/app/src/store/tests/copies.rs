@@ -25,7 +25,10 @@ fn a_store_that_was_cut_short_is_reported_and_counted_if_it_left_a_trace() {
     let (mut traces, mut none) = (0, 0);
     for times in 1..=3 {
         let mut start = stored_times(times, &old);
-        assert_eq!((has_lost_a_copy(&mut start), erasures(&mut start)), (false, times));
+        assert_eq!(
+            (has_lost_a_copy(&mut start, FlashSlot::A), erasures(&mut start, FlashSlot::A)),
+            (false, times)
+        );
         let mut whole = start.clone().powered_up();
         keep(&mut whole, &new).unwrap();
         for first in 0..whole.operations {
@@ -38,7 +41,7 @@ fn a_store_that_was_cut_short_is_reported_and_counted_if_it_left_a_trace() {
                 let is_untouched = torn.slots == start.slots && torn.unreadable == start.unreadable;
                 let has_trace = !is_done && !is_untouched;
                 let what = format!("{times} stores, cut {first} {tear:?}");
-                assert_eq!(has_lost_a_copy(&mut torn), has_trace, "{what}");
+                assert_eq!(has_lost_a_copy(&mut torn, FlashSlot::A), has_trace, "{what}");
                 assert_eq!(
                     is_held(&mut torn, &old),
                     !is_done && !has_trace,
@@ -47,10 +50,10 @@ fn a_store_that_was_cut_short_is_reported_and_counted_if_it_left_a_trace() {
                 traces += u32::from(has_trace);
                 none += u32::from(is_untouched);
 
-                let before = erasures(&mut torn);
+                let before = erasures(&mut torn, FlashSlot::A);
                 keep(&mut torn, &table(5, 99)).unwrap();
-                assert_eq!(erasures(&mut torn), before + 1 + u32::from(has_trace), "{what}");
-                assert!(!has_lost_a_copy(&mut torn), "{what}");
+                assert_eq!(erasures(&mut torn, FlashSlot::A), before + 1 + u32::from(has_trace), "{what}");
+                assert!(!has_lost_a_copy(&mut torn, FlashSlot::A), "{what}");
             }
         }
     }
@@ -85,9 +88,9 @@ fn a_store_over_two_lost_records_leaves_nothing_that_looks_like_a_loss() {
     for slot in &mut flash.slots {
         slot[0] ^= 1;
     }
-    assert_eq!((read_back(&mut flash), erasures(&mut flash)), (Err(StoredConfig::Damaged), 0));
-    assert!(!has_lost_a_copy(&mut flash) && !holds_nothing(&mut flash));
+    assert_eq!((read_back(&mut flash), erasures(&mut flash, FlashSlot::A)), (Err(StoredConfig::Damaged), 0));
+    assert!(!has_lost_a_copy(&mut flash, FlashSlot::A) && !holds_nothing(&mut flash));
     let kept = table(8, 5);
     keep(&mut flash, &kept).unwrap();
-    assert_eq!((read_back(&mut flash), has_lost_a_copy(&mut flash)), (Ok(kept), false));
+    assert_eq!((read_back(&mut flash), has_lost_a_copy(&mut flash, FlashSlot::A)), (Ok(kept), false));
 }

@@ -25,19 +25,24 @@ use std::f64::consts::{PI, TAU};
 /// Bins on each side that are averaged for the noise at a frequency.
 const NEIGHBOURS: usize = 8;
 
-/// The played and the recorded signal, from rest to rest, and the input's noise.
-pub(super) struct Recorded<'a> {
-    /// Played values, minus mid-scale.
-    pub(super) played: &'a [f64],
-    /// Recorded values at the same times, minus the input's own offset.
-    pub(super) heard: &'a [f64],
+/// The played and the recorded signal, and the input's noise.
+pub(super) struct Signals<'a, T> {
+    /// The played signal.
+    pub(super) played: &'a [T],
+    /// The recorded signal.
+    pub(super) heard: &'a [T],
     /// Values recorded in silence, minus their mean.
     pub(super) noise: &'a [f64],
     /// Smallest variance of a value: that of its rounding.
     pub(super) rounding: f64,
-    /// Values per second.
+    /// Values per second of the recorded signal.
     pub(super) rate_hz: f64,
 }
+
+/// Both from rest to rest, at the same times: played values, minus mid-scale, and recorded ones, minus the input's own offset.
+pub(super) type Recorded<'a> = Signals<'a, f64>;
+/// Their spectra, from bin 0 to half of the rate.
+pub(super) type Spectra<'a> = Signals<'a, Complex<f64>>;
 
 /// The gate in frequency (W) and in time (g).
 pub(super) struct Gate {
@@ -71,20 +76,6 @@ impl Gate {
         let (fade, ring) = (self.fade_s, self.ring_s);
         smooth(seconds, (-1.5 * fade, -0.5 * fade)) * (1.0 - smooth(seconds, (ring, ring + fade)))
     }
-}
-
-/// The spectra of the played and the recorded signal, from bin 0 to half of the rate, and the input's noise.
-pub(super) struct Spectra<'a> {
-    /// Spectrum of the played signal.
-    pub(super) played: &'a [Complex<f64>],
-    /// Spectrum of the recorded signal.
-    pub(super) heard: &'a [Complex<f64>],
-    /// Values recorded in silence, minus their mean.
-    pub(super) noise: &'a [f64],
-    /// Smallest variance of a value: that of its rounding.
-    pub(super) rounding: f64,
-    /// Values per second of the recorded signal.
-    pub(super) rate_hz: f64,
 }
 
 /// The responses at these frequencies, with time as e^(-j omega t); `None` if nothing was played at one of

@@ -12,9 +12,9 @@ pub(super) const FOLDBACK_SETTLES: u64 = 80 * BLOCK as u64;
 pub(super) struct Exactness {
     since: SampleIndex,
     /// An unknown drive sounds or has sounded: the codes are exact once the device is silent.
-    misses_sound: bool,
+    pub(super) misses_sound: bool,
     /// A step of the thermal fold-back is missing: the codes are exact once the present one is known.
-    misses_foldback: bool,
+    pub(super) misses_foldback: bool,
 }
 
 impl Exactness {
@@ -31,26 +31,6 @@ impl Exactness {
     /// The index from which the codes are exact; `None` while a part is unknown.
     pub(super) const fn since(&self) -> Option<SampleIndex> {
         if self.misses_sound || self.misses_foldback { None } else { Some(self.since) }
-    }
-
-    /// Whether an unknown drive may sound.
-    pub(super) const fn misses_sound(&self) -> bool {
-        self.misses_sound
-    }
-
-    /// Whether a step of the thermal fold-back is missing.
-    pub(super) const fn misses_foldback(&self) -> bool {
-        self.misses_foldback
-    }
-
-    /// An unknown drive sounds.
-    pub(super) const fn miss_sound(&mut self) {
-        self.misses_sound = true;
-    }
-
-    /// A step of the thermal fold-back is missing.
-    pub(super) const fn miss_foldback(&mut self) {
-        self.misses_foldback = true;
     }
 
     /// The device is known to be silent at `at`.

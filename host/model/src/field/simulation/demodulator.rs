@@ -21,8 +21,8 @@ pub(super) struct Demodulator {
 impl Demodulator {
     pub(super) fn new(waves: &Waves, rate_hz: f64, frequencies: &[f64], window_s: f64) -> Self {
         let places = waves.positions_m().len();
-        let stride = waves.stride(rate_hz);
-        let field_rate_hz = rate_hz * waves.held() as f64 / stride as f64;
+        let stride = waves.stride;
+        let field_rate_hz = rate_hz * waves.held as f64 / stride as f64;
         Self {
             stride,
             turns: frequencies.iter().map(|frequency| frequency / field_rate_hz).collect(),

@@ -40,23 +40,26 @@ pub fn sheet_grid(plate: &Plate, loss_at_hz: f64, threads: usize) -> SheetGrid {
 }
 
 /// A plate in the time domain.
-pub(super) enum Waves {
-    Line(Box<TimeDomainLine>),
-    Sheet(Box<SheetWaves>),
-}
-
-/// A sheet, measured on its centre line.
-pub(super) struct SheetWaves {
-    sheet: Sheet,
+pub(super) struct Waves {
+    medium: Medium,
     /// Samples for which a code is held: the steps of a fine sheet. Its fields are taken at every step: a
     /// held code has images of a tone at every multiple of the code rate, which at that rate would alias to
     /// the tone.
-    held: usize,
-    /// Samples between two fields: whole steps of the sheet.
-    stride: usize,
-    settle_s: f64,
-    codes: Vec<f32>,
-    field_m: Vec<f32>,
+    pub(super) held: usize,
+    /// Samples between two fields: whole steps.
+    pub(super) stride: usize,
+    /// Time after which the transient of a change has decayed to a thousandth, seconds.
+    pub(super) settle_s: f64,
+}
+
+enum Medium {
+    Line(Box<TimeDomainLine>),
+    /// A sheet, measured on its centre line.
+    Sheet {
+        sheet: Box<Sheet>,
+        codes: Vec<f32>,
+        field_m: Vec<f32>,
+    },
 }
 
 impl Waves {
@@ -70,7 +73,9 @@ impl Waves {
     ) -> Result<Self, SimulationError> {
         let Solver::Sheet { threads } = solver else {
             let line = TimeDomainLine::touched(plate, finger, rate_hz, PLACES)?;
-            return Ok(Self::Line(Box::new(line)));
+            let (stride, settle_s) = ((rate_hz / line.step_rate_hz()).round().max(1.0), line.settle_time_s());
+            let medium = Medium::Line(Box::new(line));
+            return Ok(Self { medium, held: 1, stride: stride as usize, settle_s });
         };
         let (low_hz, high_hz) =
             frequencies.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &hz| (low.min(hz), high.max(hz)));
@@ -86,37 +91,14 @@ impl Waves {
         let settle_s = TimeDomainLine::new(plate, rate_hz, LINE_POINTS.0)?.settle_time_s();
         let field_m = vec![0.0; sheet.positions_m().len()];
         let (held, stride) = (held as usize, (steps * samples_per_step) as usize);
-        Ok(Self::Sheet(Box::new(SheetWaves { sheet, held, stride, settle_s, codes: Vec::new(), field_m })))
+        let medium = Medium::Sheet { sheet: Box::new(sheet), codes: Vec::new(), field_m };
+        Ok(Self { medium, held, stride, settle_s })
     }
 
     pub(super) fn positions_m(&self) -> &[f64] {
-        match self {
-            Self::Line(line) => line.positions_m(),
-            Self::Sheet(waves) => waves.sheet.positions_m(),
-        }
-    }
-
-    /// Time after which the transient of a change has decayed to a thousandth, seconds.
-    pub(super) fn settle_time_s(&self) -> f64 {
-        match self {
-            Self::Line(line) => line.settle_time_s(),
-            Self::Sheet(waves) => waves.settle_s,
-        }
-    }
-
-    /// Samples for which a code is held.
-    pub(super) fn held(&self) -> usize {
-        match self {
-            Self::Line(_) => 1,
-            Self::Sheet(waves) => waves.held,
-        }
-    }
-
-    /// Samples from one field to the next.
-    pub(super) fn stride(&self, rate_hz: f64) -> usize {
-        match self {
-            Self::Line(line) => (rate_hz / line.step_rate_hz()).round().max(1.0) as usize,
-            Self::Sheet(waves) => waves.stride,
+        match &self.medium {
+            Medium::Line(line) => line.positions_m(),
+            Medium::Sheet { sheet, .. } => sheet.positions_m(),
         }
     }
 
@@ -127,17 +109,17 @@ impl Waves {
 
     /// The codes, each repeated as often as it is held.
     pub(super) fn samples(&self, codes: &[u16]) -> Vec<u16> {
-        codes.iter().flat_map(|&code| repeat_n(code, self.held())).collect()
+        codes.iter().flat_map(|&code| repeat_n(code, self.held)).collect()
     }
 
     pub(super) fn push_samples(&mut self, codes: &[u16]) {
-        match self {
-            Self::Line(line) => line.push_codes(codes, DAC_BITS),
-            Self::Sheet(waves) => {
+        match &mut self.medium {
+            Medium::Line(line) => line.push_codes(codes, DAC_BITS),
+            Medium::Sheet { sheet, codes: driven, .. } => {
                 let half = f32::from(1_u16 << (DAC_BITS - 1));
-                waves.codes.clear();
-                waves.codes.extend(codes.iter().map(|&code| (f32::from(code) - half) / half));
-                waves.sheet.push(&waves.codes);
+                driven.clear();
+                driven.extend(codes.iter().map(|&code| (f32::from(code) - half) / half));
+                sheet.push(driven);
             }
         }
     }
@@ -145,11 +127,11 @@ impl Waves {
     /// Writes a field whose demodulation at a tone gives the tone's complex amplitude at each place, metres: the
     /// analytic field, or twice the real one.
     pub(super) fn field_m(&mut self, out: &mut [Complex64]) {
-        match self {
-            Self::Line(line) => line.analytic_m(out),
-            Self::Sheet(waves) => {
-                waves.sheet.centre_line_m(&mut waves.field_m);
-                for (out, &value) in out.iter_mut().zip(&waves.field_m) {
+        match &mut self.medium {
+            Medium::Line(line) => line.analytic_m(out),
+            Medium::Sheet { sheet, field_m, .. } => {
+                sheet.centre_line_m(field_m);
+                for (out, &value) in out.iter_mut().zip(&*field_m) {
                     *out = Complex64::from(2.0 * f64::from(value));
                 }
             }
@@ -157,18 +139,18 @@ impl Waves {
     }
 
     pub(super) fn reset_envelope(&mut self) {
-        match self {
-            Self::Line(line) => line.reset_envelope(),
-            Self::Sheet(waves) => waves.sheet.reset_envelope(),
+        match &mut self.medium {
+            Medium::Line(line) => line.reset_envelope(),
+            Medium::Sheet { sheet, .. } => sheet.reset_envelope(),
         }
     }
 
     /// Largest and RMS displacement at each place since the reset, metres.
     pub(super) fn envelope_m(&self) -> (Vec<f32>, Vec<f32>) {
-        match self {
-            Self::Line(line) => (line.envelope().maximum_m(), line.envelope().rms_m()),
-            Self::Sheet(waves) => {
-                let envelope = waves.sheet.envelope();
+        match &self.medium {
+            Medium::Line(line) => (line.envelope().maximum_m(), line.envelope().rms_m()),
+            Medium::Sheet { sheet, .. } => {
+                let envelope = sheet.envelope();
                 (envelope.maximum_m, envelope.rms_m)
             }
         }

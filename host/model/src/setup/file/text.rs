@@ -35,29 +35,20 @@ pub(super) struct BoundaryText {
 
 impl Default for BoundaryText {
     fn default() -> Self {
-        Self::from(BoundaryMode::default())
+        Self { holds: BoundaryMode::default().word().to_owned() }
     }
 }
 
-impl From<BoundaryMode> for BoundaryText {
-    fn from(mode: BoundaryMode) -> Self {
-        let holds = match mode {
-            BoundaryMode::FeltEdge => "felt-edge",
-            BoundaryMode::TurningPoint => "turning-point",
-        };
-        Self { holds: holds.to_owned() }
-    }
-}
-
-#[derive(Serialize, Deserialize)]
+/// The fields of a feeling, with the names of its file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(super) struct FeelingText {
-    pub(super) threshold: f64,
-    pub(super) friction_scale_m: f64,
-    pub(super) friction_residual: f64,
-    pub(super) friction_exponent: f64,
-    pub(super) least_friction_change: f64,
-    pub(super) contact_m: f64,
+pub struct FeelingText {
+    threshold: f64,
+    friction_scale_m: f64,
+    friction_residual: f64,
+    friction_exponent: f64,
+    least_friction_change: f64,
+    contact_m: f64,
 }
 
 impl Default for FeelingText {
@@ -68,14 +59,14 @@ impl Default for FeelingText {
 
 impl From<Feeling> for FeelingText {
     fn from(feeling: Feeling) -> Self {
-        let FrictionCurve { scale_m, residual, exponent } = feeling.friction;
+        let Feeling { threshold, friction, least_friction_change, contact_m } = feeling;
         Self {
-            threshold: feeling.threshold,
-            friction_scale_m: scale_m,
-            friction_residual: residual,
-            friction_exponent: exponent,
-            least_friction_change: feeling.least_friction_change,
-            contact_m: feeling.contact_m,
+            threshold,
+            friction_scale_m: friction.scale_m,
+            friction_residual: friction.residual,
+            friction_exponent: friction.exponent,
+            least_friction_change,
+            contact_m,
         }
     }
 }

@@ -62,7 +62,7 @@ pub(in crate::check) fn excursion_light(site: &Site<'_>) -> Finding {
         name,
         percent,
         "%",
-        EXCURSION_PERCENT,
+        Limit::AtMost(EXCURSION_PERCENT),
         [
             format!("At level 1 the actuator moves by {percent:.0} % of its peak travel: the table need not be lowered."),
             format!("At level 1 the actuator would move by {percent:.0} % of its peak travel: the table's level is lowered to its limit."),
@@ -82,5 +82,5 @@ pub(in crate::check) fn resolution_light(site: &Site<'_>) -> Finding {
         format!("{has}: lower levels are coarse, even out the plate's peaks by its drive end."),
         format!("{has}: too few for any level, even out the plate's peaks by its drive end."),
     ];
-    site.graded_at_least("DAC resolution", steps, "LSB", DAC_STEPS, sentences)
+    site.graded("DAC resolution", steps, "LSB", Limit::AtLeast(DAC_STEPS), sentences)
 }

@@ -34,7 +34,7 @@ pub(in crate::check) fn sensitivity_light(site: &Site<'_>) -> Finding {
         "sensitivity",
         worst,
         "dB",
-        SENSITIVITY_DB,
+        Limit::AtMost(SENSITIVITY_DB),
         [
             format!("{off} changes the peak by {} dB: the table can be trusted.", with_decimals(worst, 2)),
             format!("{off} changes the peak by {worst:.1} dB: calibrate on your own plate."),

@@ -2,7 +2,7 @@
 
 use crate::check::grading::{Finding, Site, colour, colour_at_least, pick};
 use crate::check::interval::Interval;
-use crate::check::report::Colour;
+use crate::check::report::{Colour, Limit};
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::{
     EDGE_CURVATURE, EDGE_SLOPE, EDGE_SLOPE_STRICT, EDGE_WIDTH, FINGERTIP_M, WAVELENGTHS,
@@ -69,7 +69,7 @@ pub(in crate::check) fn slope_light(site: &Site<'_>) -> Finding {
         "edge slope",
         slope,
         "",
-        limits,
+        Limit::AtMost(limits),
         [
             format!(
                 "The edges converge slowly (|W'| = {} at the boundary): the turning width, {measured}, holds to {} %.",
@@ -98,7 +98,7 @@ pub(in crate::check) fn curvature_light(site: &Site<'_>) -> Finding {
         "edge curvature",
         curvature,
         "",
-        EDGE_CURVATURE,
+        Limit::AtMost(EDGE_CURVATURE),
         [
             format!(
                 "The edges are nearly straight over their own width (W |W''| up to {}): the width changes gradually.",
@@ -121,11 +121,11 @@ pub(in crate::check) fn curvature_light(site: &Site<'_>) -> Finding {
 
 pub(in crate::check) fn wavelengths_light(site: &Site<'_>) -> Finding {
     let count = wavelengths(site.plate, site.boundary_m);
-    site.graded_at_least(
+    site.graded(
         "wavelengths",
         count,
         "",
-        WAVELENGTHS,
+        Limit::AtLeast(WAVELENGTHS),
         [
             format!(
                 "{count:.1} wavelengths fit between the drive and the boundary: the vibrating side has whole antinodes."
@@ -151,7 +151,7 @@ pub(in crate::check) fn edge_light(site: &Site<'_>) -> Finding {
         "edge width",
         fingers,
         "fingertips",
-        EDGE_WIDTH,
+        Limit::AtMost(EDGE_WIDTH),
         [
             format!("From the peak to a tenth of it is {edge_mm:.0} mm: a short stroke crosses the edge."),
             format!(

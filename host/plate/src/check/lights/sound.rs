@@ -79,7 +79,7 @@ pub(in crate::check) fn level_light(site: &Site<'_>) -> Finding {
         "sound level",
         value,
         unit,
-        limits,
+        Limit::AtMost(limits),
         [
             format!("At most {value:.0} {unit} of sound at half a metre."),
             format!(

@@ -128,7 +128,7 @@ fn film_light(site: &Site<'_>, name: &'static str) -> Finding {
             "This film is a plate rather than a membrane here, {missed} % of the wavenumber is missed: {thinner}."
         ),
     ];
-    site.graded(name, percent, "%", FILM_PERCENT, sentences)
+    site.graded(name, percent, "%", Limit::AtMost(FILM_PERCENT), sentences)
         .over_interval(site, Interval::boundary, |end| {
             let edge = end.plate.film_edge(end.boundary_m);
             let percent = edge.map_or(percent, FilmEdge::missed_percent);

@@ -137,23 +137,18 @@ fn unit_of(table: &Table, of: Quantity, at: usize) -> Result<(Unit, String), Unc
         values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| (low.min(it), high.max(it)));
     let name = &table.columns[at].name;
     let is_like_levels = low >= 10.0 && high < 200.0 && high < 10.0 * low;
-    match of {
+    let unclear = match of {
         // A phase that is not wrapped may be many turns of radians.
         Quantity::Phase if low < high && low >= -PHASE_CLEAR && high <= PHASE_CLEAR => {
-            Err(table.unclear(format!("nothing shows whether *{name}* is in degrees or in radians")))
+            "in degrees or in radians"
         }
         // Levels of sound are some ten decibels above 0, and a level below 10 may be a magnitude.
-        Quantity::Level if low >= 0.0 && high < 10.0 => {
-            Err(table.unclear(format!("nothing shows whether *{name}* is in dB")))
-        }
-        Quantity::Magnitude if low < 0.0 || (20.0..200.0).contains(&high) || is_like_levels => {
-            Err(table.unclear(format!("nothing shows whether *{name}* is in dB")))
-        }
-        of if of.is_level() && (low < 0.0 || is_like_levels) && of != Quantity::Level => {
-            Err(table.unclear(format!("nothing shows whether *{name}* is in dB")))
-        }
-        of => Ok(usual(of)),
-    }
+        Quantity::Level if low >= 0.0 && high < 10.0 => "in dB",
+        Quantity::Magnitude if low < 0.0 || (20.0..200.0).contains(&high) || is_like_levels => "in dB",
+        of if of.is_level() && (low < 0.0 || is_like_levels) && of != Quantity::Level => "in dB",
+        of => return Ok(usual(of)),
+    };
+    Err(table.unclear(format!("nothing shows whether *{name}* is {unclear}")))
 }
 
 /// Reads a table; no choice of columns leaves it to the head.
