@@ -24,7 +24,8 @@
 //!   `instrument/screen/`: prediction, playback, textures, the actual plate beside the predicting one.
 //!   Edits and their sources: `instrument/edits.rs`. Tests:
 //!   `host/instrument/tests/in_use/`
-//! - `autopilot.rs`: sends drives and tables without a user action. Tests: `host/window/tests/gui/states.rs`
+//! - `autopilot.rs`: sends drives and tables without a user action. Tests: `host/window/tests/gui/states.rs`,
+//!   `host/instrument/tests/in_use/starting.rs`
 //! - `measure/`: measurements by steps or a sweep (`measure/sweep/`); the course of all procedures:
 //!   `measure/procedure.rs`. Tests: `tests/tests/measuring.rs`, `tests/tests/sweep.rs`
 //! - `measured_file.rs`, `calipers.rs`, `calibration.rs`: files of measurements, dimensions by calipers, the steps of a
@@ -36,6 +37,8 @@
 //! - `native/`: a blocking client of a device, for programs. Tests: `host/tests/cli/`
 //! - `jobs/`: work on measurements and devices that takes longer than a frame
 //! - `profile_file.rs`: the file of an actuator's profile. Tests: `tests/tests/profile.rs`
+//! - `concern.rs`: what the lights of a check mean beside a device: notes, and what fails or harms. Tests:
+//!   `host/instrument/tests/in_use/lights.rs`
 //! - `changes.rs`, `device_info.rs`, `recording.rs`: differences between snapshots, a device's report, a recorded drag
 
 #![forbid(unsafe_code)]
@@ -49,6 +52,7 @@ pub mod bench;
 pub mod calibration;
 pub mod calipers;
 pub mod changes;
+pub mod concern;
 pub mod device_info;
 pub mod hold;
 mod instrument;

@@ -17,6 +17,8 @@ mod felt_lines;
 mod fixed_link;
 #[path = "in_use/holding.rs"]
 mod holding;
+#[path = "in_use/lights.rs"]
+mod lights;
 #[path = "in_use/measuring.rs"]
 mod measuring;
 #[path = "in_use/pluggable_port.rs"]
@@ -35,6 +37,8 @@ mod sensors;
 mod session;
 #[path = "in_use/sounding.rs"]
 mod sounding;
+#[path = "in_use/starting.rs"]
+mod starting;
 #[path = "in_use/texturing.rs"]
 mod texturing;
 #[path = "in_use/verifying.rs"]

@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub struct Scene {
     /// Its name.
     pub name: &'static str,
-    /// Its effect, in one line; and why some of its lights are red, if they are.
+    /// Its effect, in one line.
     pub description: &'static str,
     /// The preset of its plate.
     plate: &'static str,
@@ -32,7 +32,7 @@ pub const SCENES: [Scene; 6] = [
     },
     Scene {
         name: "Slippery area",
-        description: "Ultrasound on aluminium: slippery up to the line. Red light: 120 dB of sound at half a metre",
+        description: "Ultrasound on aluminium: slippery up to the line",
         plate: "al-bending",
         tones: &[(0.223, 0.8)],
     },
@@ -51,15 +51,15 @@ pub const SCENES: [Scene; 6] = [
     },
     Scene {
         name: "A beat that is felt",
-        description: "Two ultrasonic tones 180 Hz apart: their beat is felt. Red light: 114 dB of sound at half a metre",
+        description: "Two ultrasonic tones 180 Hz apart: their beat is felt",
         plate: "al-bending",
         tones: &[(0.223, 0.4), (0.2221, 0.4)],
     },
     Scene {
-        name: "The paper's rubber",
-        description: "The paper's rubber at 50 Hz. Red lights: its end sends every wave back, its loss is not known",
-        plate: "paper-rubber",
-        tones: &[(0.15, 0.5)],
+        name: "Rubber sheet",
+        description: "Latex in a narrow frame: a low vibration up to the line",
+        plate: "latex-membrane",
+        tones: &[(0.2, 0.5)],
     },
 ];
 

@@ -241,6 +241,8 @@ pub enum Intent {
     Copy(String),
     /// Open the device panel.
     ShowDevice,
+    /// Show the demonstration again.
+    Demonstrate,
     /// Close the window.
     Quit,
     /// Put versions, counters, setup and log on the clipboard, and show them.

@@ -4,7 +4,7 @@ use super::shown::Awaited;
 use super::{CalibrateIntent, Instrument, MeasureIntent};
 use crate::hold::HoldEnd;
 use crate::recording::Recording;
-use slipline_link::{Port, Request};
+use slipline_link::{Port, Request, Severity};
 use slipline_model::field::touch::Touch;
 use slipline_model::response::is_measurement;
 use slipline_model::setup::edit::{self, Edit};
@@ -35,6 +35,7 @@ impl Instrument {
             let text = "The plate is being measured: cancel that or press STOP first.";
             return self.out.hinder(text.to_owned());
         }
+        self.drive.note(Severity::Info, "Drive.".to_owned());
         self.drive.start(self.desk.setup(), &self.attention, &mut self.out);
     }
 
@@ -71,6 +72,8 @@ impl Instrument {
 
     /// Sends a stop; the drive is no longer wanted.
     fn end_drive(&mut self, stop: Request) {
+        let is_emergency = matches!(stop, Request::EmergencyStop);
+        self.drive.note(Severity::Info, if is_emergency { "Emergency stop." } else { "Stop." }.to_owned());
         self.desk.end_replay();
         self.lab.cancel_measuring();
         self.lab.end_hold(HoldEnd::Stopped, &mut self.out);

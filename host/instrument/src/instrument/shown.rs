@@ -3,6 +3,7 @@
 use super::outbox::Notice;
 use super::{DragRecorder, MeasureDraft};
 use crate::calibration::CalibrationWizard;
+use crate::concern::{self, Concern, Concerns};
 use crate::hold::{Holding, Standing};
 use crate::jobs::calibrate::{CalibrationResult, Refused};
 use crate::measure::{PlayedSweep, Signal};
@@ -28,6 +29,7 @@ use slipline_model::texture::WishDraft;
 use slipline_model::wav::Wav;
 use slipline_model::waveform::Waveform;
 use slipline_plate::calibrate::{CalibrateError, Comparison, Foreign};
+use slipline_plate::check::Light;
 use slipline_plate::text_table::ColumnRead;
 use slipline_plate::{DriveTable, Finger};
 use std::fmt;
@@ -106,6 +108,19 @@ impl Shown<'_> {
     #[must_use]
     pub fn line(&self, slot: u8) -> Option<&Line> {
         self.lines.iter().find(|line| line.slot == slot)
+    }
+
+    /// The lights of the newest check with what they mean on this device; `None` until there are some.
+    #[must_use]
+    pub fn concerns(&self) -> Option<Concerns<'_>> {
+        let report = self.background.checks.newest()?.report.as_ref().ok()?;
+        Some(Concerns::of(report, concern::is_real(self.snapshot)))
+    }
+
+    /// What this light means on this device.
+    #[must_use]
+    pub fn concern(&self, light: &Light) -> Concern {
+        Concern::of(light, concern::is_real(self.snapshot))
     }
 
     /// The CRC of the table for the plate on the screen.

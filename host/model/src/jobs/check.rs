@@ -1,7 +1,7 @@
 //! The validity lights of a plate at a boundary, computed in the background.
 
 use crate::jobs::Task;
-use slipline_plate::check::{CheckError, Checker, Colour, Conditions, Report};
+use slipline_plate::check::{CheckError, Checker, Conditions, Report};
 use slipline_plate::{Plate, Progress};
 use std::sync::Arc;
 
@@ -32,15 +32,6 @@ pub struct Checked {
     pub job: CheckJob,
     /// The lights, or the reason why there are none.
     pub report: Result<Report, CheckError>,
-}
-
-impl Checked {
-    /// The number of lights of a colour.
-    #[must_use]
-    pub fn count(&self, colour: Colour) -> usize {
-        let lights = self.report.as_ref().map_or(&[][..], |report| &report.lights);
-        lights.iter().filter(|light| light.colour == colour).count()
-    }
 }
 
 /// The work of the check thread. It keeps the checker of the latest plate, so that a new boundary on the same

@@ -96,35 +96,3 @@ fn every_scene_has_a_picture_and_fits_the_dac() {
     let hertz = |i: usize| beat.plate.frequency_for_boundary_hz(beat.tones[i].position_m);
     assert!(((hertz(0) - hertz(1)).abs() - 180.0).abs() < 40.0, "{}", hertz(0) - hertz(1));
 }
-
-/// The lights of a setup's tones, each beside the others.
-fn lights(setup: &Setup) -> Vec<(Colour, String)> {
-    let mut found = Vec::new();
-    for tone in &setup.tones {
-        let others = setup.tones.iter().filter(|other| other.slot != tone.slot);
-        let conditions = Conditions {
-            level: tone.level * setup.master(),
-            other_boundaries_m: others.map(|other| other.position_m).collect(),
-            ..Conditions::default()
-        };
-        let report = Checker::new(&setup.plate, conditions).unwrap().at(tone.position_m).unwrap();
-        found.extend(report.lights.iter().map(|light| (light.colour, format!("{light:?}"))));
-    }
-    found
-}
-
-#[test]
-fn a_scene_whose_lights_are_red_says_why() {
-    for scene in &SCENES {
-        let setup = scene.setup().unwrap();
-        let red: Vec<_> = lights(&setup).into_iter().filter(|(colour, _)| *colour == Colour::Red).collect();
-        assert_eq!(!red.is_empty(), scene.description.contains("Red light"), "{}: {red:#?}", scene.name);
-        let loudest_db = red.iter().filter_map(|(_, light)| {
-            let words = light.split("sentence: \"Up to ").nth(1)?;
-            words.split(" of sound").next().map(str::to_owned)
-        });
-        for loud in loudest_db {
-            assert!(scene.description.contains(&loud), "{}: {loud}", scene.name);
-        }
-    }
-}

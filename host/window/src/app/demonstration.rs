@@ -1,17 +1,17 @@
-//! The first seconds of the very first start: a finger strokes the simulated plate, the line moves, the finger follows.
+//! The demonstration of the very first start, of Help and of a window for visitors: a finger strokes the simulated plate, the
+//! line moves, the finger follows.
 //!
-//! It moves nothing on a real device, makes no sound and no step of undo. Any input ends it, and then everything is where it
-//! was.
+//! It moves nothing on a real device, makes no sound and no step of undo. What the user does ends it, and then everything is
+//! where it was; what a window manager does while it places the window under the pointer does not.
 
 use super::{App, Lead};
 use eframe::egui;
+use slipline_link::protocol::event::State;
 use slipline_model::field::touch::Touch;
+use slipline_model::setup::Setup;
 
 /// Duration, in seconds.
 const LASTS_S: f64 = 10.0;
-
-/// A pointer that moves farther in a frame is moved by the user, in points.
-const MOVED: f32 = 2.0;
 
 /// The place of finger and line at these times, in seconds, as shares of the way: the finger's from the driven end to the
 /// line (1 is the line), the line's from where it stands to the start of its span.
@@ -45,19 +45,37 @@ fn shares_at(time_s: f64) -> (f64, f64) {
 }
 
 impl App {
-    /// Shows what the window is for, until the first input.
+    /// Shows what the window is for, until the user does something.
     pub fn demonstrate(&mut self) {
-        let setup = self.instrument.desk.setup();
-        if let Some(tone) = setup.tones.first() {
-            let line = (tone.slot, tone.position_m);
-            self.lead = Lead::Demonstration(Demonstration { began_s: None, line });
+        if let Some(demonstration) = self.demonstration() {
+            self.lead = Lead::Demonstration(demonstration);
         }
     }
 
-    /// Whether the demonstration moves the line.
+    /// A demonstration with the line of the selected tone, from where it stands.
+    pub(super) fn demonstration(&self) -> Option<Demonstration> {
+        let tone = self.setup().tone(self.instrument.desk.selected())?;
+        Some(Demonstration { began_s: None, line: (tone.slot, tone.position_m) })
+    }
+
+    /// Shows the demonstration at the user's request: drives the simulated plate, if it rests. On another device nothing is
+    /// moved by itself.
+    pub(super) fn replay_demonstration(&mut self) {
+        let snapshot = self.instrument.drive.snapshot();
+        if !snapshot.is_simulated() {
+            let text = "The demonstration moves the simulated plate alone: choose Simulated plate in the list of devices.";
+            return self.instrument.out.post(text.to_owned());
+        }
+        if !matches!(snapshot.drive.status.map(|status| status.state), Some(State::Driving)) {
+            self.instrument.start();
+        }
+        self.demonstrate();
+    }
+
+    /// Whether a demonstration moves the line.
     #[must_use]
-    pub const fn is_demonstrating(&self) -> bool {
-        matches!(self.lead, Lead::Demonstration(_))
+    pub fn is_demonstrating(&self) -> bool {
+        matches!(self.lead, Lead::Demonstration(_)) || self.kiosk().is_some_and(|kiosk| kiosk.shows.is_some())
     }
 
     /// Goes on with the demonstration, or ends it.
@@ -68,18 +86,27 @@ impl App {
         if is_elsewhere || self.dialog.is_some() || ctx.input(has_input) {
             return self.end_demonstration();
         }
+        match self.demonstrated(ctx, under_way) {
+            Some(next) => self.lead = Lead::Demonstration(next),
+            None => self.end_demonstration(),
+        }
+    }
+
+    /// The demonstration after one more step of it; `None` at its end.
+    pub(super) fn demonstrated(
+        &mut self,
+        ctx: &egui::Context,
+        under_way: Demonstration,
+    ) -> Option<Demonstration> {
         let now_s = ctx.input(|input| input.time);
         if self.instrument.screen.sounding().is_none() {
-            if under_way.began_s.is_some() {
-                self.end_demonstration();
-            }
-            return;
+            // It waits for a plate that does not move yet.
+            return under_way.began_s.is_none().then_some(under_way);
         }
         let began_s = under_way.began_s.unwrap_or(now_s);
         if now_s - began_s >= LASTS_S {
-            return self.end_demonstration();
+            return None;
         }
-        self.lead = Lead::Demonstration(Demonstration { began_s: Some(began_s), ..under_way });
         let (finger, line) = shares_at(now_s - began_s);
         let (slot, turns_m) = under_way.line;
         let (start_m, _) = self.instrument.desk.setup().plate.span_m();
@@ -90,16 +117,34 @@ impl App {
         }
         self.instrument.screen.move_finger(finger * line_m);
         ctx.request_repaint();
+        Some(Demonstration { began_s: Some(began_s), ..under_way })
+    }
+
+    /// Ends the demonstration: everything is where it was.
+    pub fn end_demonstration(&mut self) {
+        let Lead::Demonstration(under_way) = self.lead else { return };
+        self.lead = Lead::User;
+        self.put_back(under_way);
     }
 
     /// Puts the line back, and the finger half-way to it.
-    pub fn end_demonstration(&mut self) {
-        let Lead::Demonstration(Demonstration { line: (slot, turns_m), began_s }) = self.lead else { return };
-        self.lead = Lead::User;
+    pub(super) fn put_back(&mut self, Demonstration { line: (slot, turns_m), began_s }: Demonstration) {
         if began_s.is_some() {
             self.instrument.show_line(slot, turns_m);
             self.rest_finger();
         }
+    }
+
+    /// The user's setup, to be kept: the line of a demonstration is not the user's.
+    #[must_use]
+    pub fn kept_setup(&self) -> Setup {
+        let mut setup = self.setup().clone();
+        if let Lead::Demonstration(Demonstration { line: (slot, turns_m), began_s: Some(_) }) = self.lead
+            && let Some(tone) = setup.tones.iter_mut().find(|tone| tone.slot == slot)
+        {
+            tone.position_m = turns_m;
+        }
+        setup
     }
 
     /// Lays a finger that takes nothing half-way to the line.
@@ -112,15 +157,26 @@ impl App {
     }
 }
 
-/// Whether the user has done anything. A window that opens under the pointer gets its place, which is no input.
-fn has_input(input: &egui::InputState) -> bool {
-    let is_made = |event: &egui::Event| {
-        !matches!(
+/// Whether the user has pressed, typed, turned a wheel or dropped something. A list of what is input and not of what is none:
+/// window managers differ in what they send to a window that they map, place and focus. A pointer that only moves ends nothing:
+/// it also moves over the window when that is placed under it, and away from the entry in the menu.
+pub(super) fn has_input(input: &egui::InputState) -> bool {
+    use egui::Event;
+    let is_made = |event: &Event| {
+        matches!(
             event,
-            egui::Event::WindowFocused(_) | egui::Event::PointerMoved(_) | egui::Event::PointerGone
+            Event::Key { pressed: true, repeat: false, .. }
+                | Event::PointerButton { pressed: true, .. }
+                | Event::Touch { phase: egui::TouchPhase::Start, .. }
+                | Event::MouseWheel { .. }
+                | Event::Zoom(_)
+                | Event::Copy
+                | Event::Cut
+                | Event::Paste(_)
+                | Event::AccessKitActionRequest(_)
         )
     };
-    input.pointer.delta().length() > MOVED || input.events.iter().any(is_made)
+    input.events.iter().any(is_made) || !input.raw.dropped_files.is_empty()
 }
 
 #[cfg(test)]

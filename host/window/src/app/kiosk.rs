@@ -1,7 +1,9 @@
-//! The window for visitors: scenes in turn, neither menus nor pages, STOP as everywhere.
+//! The window for visitors: scenes in turn, each with the demonstration until somebody comes, neither menus nor pages, STOP as
+//! everywhere.
 //!
 //! A real plate is one plate, so with a real device the setup stays.
 
+use super::demonstration::{Demonstration, has_input};
 use super::{App, Lead};
 use crate::view::Tab;
 use eframe::egui;
@@ -18,6 +20,8 @@ pub(super) struct Kiosk {
     scene: usize,
     /// The time of the latest input, or of the scene's beginning.
     since_s: Option<f64>,
+    /// What attracts visitors, again and again until one comes.
+    pub(super) shows: Option<Demonstration>,
 }
 
 impl App {
@@ -48,15 +52,19 @@ impl App {
         (self.settings.show_panel, self.settings.show_plots) = (false, false);
         // The page that needs no room beside the stage.
         self.view.tab = Tab::Boundary;
-        let (now_s, has_input) = ctx.input(|input| (input.time, !input.events.is_empty()));
+        let (now_s, has_input) = ctx.input(|input| (input.time, has_input(input)));
         let since_s = kiosk.since_s.filter(|_| !has_input).unwrap_or(now_s);
-        self.lead = Lead::Scenes(Kiosk { since_s: Some(since_s), ..kiosk });
+        let shows = self.attract(ctx, kiosk.shows, has_input);
+        self.lead = Lead::Scenes(Kiosk { since_s: Some(since_s), shows, ..kiosk });
         let left_s = since_s + REST_S - now_s;
         if left_s > 0.0 {
             return ctx.request_repaint_after(std::time::Duration::from_secs_f64(left_s));
         }
         let next = (kiosk.scene + 1) % SCENES.len();
-        self.lead = Lead::Scenes(Kiosk { scene: next, since_s: Some(now_s) });
+        if let Some(under_way) = shows {
+            self.put_back(under_way);
+        }
+        self.lead = Lead::Scenes(Kiosk { scene: next, since_s: Some(now_s), shows: None });
         if self.instrument.drive.snapshot().is_simulated() {
             self.start_scene(next);
             // The visitor who stopped the simulated plate has gone.
@@ -67,12 +75,34 @@ impl App {
         }
     }
 
+    /// Goes on with the demonstration that attracts visitors, begins it again at its end, and puts everything back when one comes.
+    fn attract(
+        &mut self,
+        ctx: &egui::Context,
+        shows: Option<Demonstration>,
+        has_input: bool,
+    ) -> Option<Demonstration> {
+        let under_way = shows?;
+        let next = if has_input { None } else { self.demonstrated(ctx, under_way) };
+        if next.is_none() {
+            self.put_back(under_way);
+        }
+        let goes_on = !has_input && self.instrument.screen.sounding().is_some();
+        next.or_else(|| if goes_on { self.demonstration() } else { None })
+    }
+
     /// Begins the scene of this number; in the first one, and for visitors in each, a finger lies on the plate.
     pub(super) fn start_scene(&mut self, number: usize) {
         if let Some(setup) = SCENES.get(number).and_then(slipline_model::scenes::Scene::setup) {
             self.instrument.edit(&Edit::New(Box::new(setup)));
             if number == 0 || self.kiosk().is_some() {
                 self.rest_finger();
+            }
+            // A real plate is moved by nobody but its visitors.
+            let snapshot = self.instrument.drive.snapshot();
+            let shows = self.demonstration().filter(|_| snapshot.is_simulated() || !snapshot.is_connected());
+            if let Lead::Scenes(kiosk) = &mut self.lead {
+                kiosk.shows = shows;
             }
         }
     }

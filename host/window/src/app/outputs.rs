@@ -1,6 +1,6 @@
 //! What passes between window and instrument: what the instrument must know of the window, and what it has the window do.
 
-use super::{App, Lead};
+use super::App;
 use crate::files::{FileJob, Save};
 use crate::intent::{Confirm, Dialog};
 use crate::sound::SoundChoice;
@@ -22,7 +22,7 @@ impl App {
         self.instrument.attend(Attention {
             now_s,
             is_pressed,
-            is_dragging: self.grab.is_some() || matches!(self.lead, Lead::Demonstration(_)),
+            is_dragging: self.grab.is_some() || self.is_demonstrating(),
             is_animated: self.settings.animate,
             has_page: self.dialog.is_some(),
             is_calibration_open: self.dialog == Some(Dialog::Calibrate),

@@ -166,6 +166,7 @@ impl App {
                 Intent::Animate(animate) => self.settings.animate = animate,
                 Intent::Copy(text) => ctx.copy_text(text),
                 Intent::ShowDevice => self.view.tab = Tab::Device,
+                Intent::Demonstrate => self.replay_demonstration(),
                 Intent::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
                 Intent::CopyDiagnostics => {
                     ctx.copy_text(self.diagnostics());

@@ -28,8 +28,9 @@ struct Window {
     _worker: Worker,
 }
 
-/// The smallest size of the window, in points: a screen of 640 x 480 also shows bars of the system.
-const LEAST_SIZE: [f32; 2] = [640.0, 400.0];
+/// The smallest size of the window, in points: a telephone is as narrow, and a screen of 1280 x 800 pixels at two a point as low,
+/// where bars of the system take their part.
+const LEAST_SIZE: [f32; 2] = [360.0, 320.0];
 /// Keys of the values that are stored between runs.
 const KEPT_SETTINGS: &str = "settings";
 const KEPT_SETUP: &str = "setup";
@@ -52,10 +53,8 @@ impl eframe::App for Window {
         if !self.is_kept {
             return;
         }
-        // The line of a demonstration is not the user's.
-        self.app.end_demonstration();
         storage.set_string(KEPT_SETTINGS, self.app.settings.write());
-        storage.set_string(KEPT_SETUP, setup_file::write(self.app.setup()));
+        storage.set_string(KEPT_SETUP, setup_file::write(&self.app.kept_setup()));
     }
 
     fn persist_egui_memory(&self) -> bool {
@@ -204,10 +203,10 @@ mod tests {
     use eframe::egui::{ViewportCommand, ViewportId};
 
     #[test]
-    fn the_smallest_window_fits_a_screen_of_640_by_480_points_with_the_bars_of_the_system() {
+    fn the_smallest_window_fits_a_low_screen_with_the_bars_of_the_system_and_a_telephone() {
         // A title bar and a task bar take up to 40 points each.
         let least = viewport().min_inner_size;
-        assert!(least.is_some_and(|size| size.x <= 640.0 && size.y <= 480.0 - 2.0 * 40.0), "{least:?}");
+        assert!(least.is_some_and(|size| size.x <= 360.0 && size.y <= 400.0 - 2.0 * 40.0), "{least:?}");
     }
 
     /// The commands to the window after one more frame.
@@ -235,6 +234,8 @@ mod tests {
         let sized = |size: [f32; 2]| vec![ViewportCommand::InnerSize(size.into())];
         assert_eq!(resized([1280.0, 800.0], [1280.0, 800.0], false), sized([1280.0, 720.0]));
         assert_eq!(resized([640.0, 480.0], [640.0, 480.0], false), sized([640.0, 400.0]));
+        // 1280 x 800 pixels at two a point.
+        assert_eq!(resized([640.0, 400.0], [640.0, 400.0], false), sized([640.0, 320.0]));
         assert_eq!(resized([1920.0, 1080.0], [1280.0, 800.0], false), []);
         assert_eq!(resized([1280.0, 800.0], [1280.0, 800.0], true), []);
     }

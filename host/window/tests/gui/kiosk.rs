@@ -76,3 +76,23 @@ fn the_next_scene_comes_without_a_touch_and_drives_again_after_a_stop() {
     assert!(app.speaker.played.borrow().0.is_silent());
     assert_eq!(app.snapshot().drive.status.unwrap().state, State::Driving);
 }
+
+#[test]
+fn the_demonstration_attracts_visitors_until_one_comes_and_again_with_the_next_scene() {
+    let mut app = opened([1280.0, 800.0]);
+    let is_shown = |app: &TestApp| app.window.state().is_demonstrating();
+    assert!(is_shown(&app));
+    let before = boundary_mm(&app);
+    let mut farthest = 0.0_f64;
+    // Once more than it lasts, in the harness's frames.
+    for _ in 0..700 {
+        app.wait(50);
+        farthest = farthest.max((boundary_mm(&app) - before).abs());
+    }
+    assert!(farthest > 5.0 && is_shown(&app), "{farthest}: it begins again");
+    app.click("STOP", 100);
+    assert!(!is_shown(&app) && boundary_mm(&app) == before, "{} {before}", boundary_mm(&app));
+    pass(&mut app, 50.0);
+    assert_eq!(plate_name(&app), SCENES[1].setup().unwrap().plate.name());
+    assert!(is_shown(&app));
+}

@@ -7,7 +7,8 @@ use crate::{boundary_mm, line_rect};
 use eframe::egui::{Key, Modifiers, Rect, Shape, accesskit::Role, vec2};
 use egui_kittest::Node;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use slipline_plate::check::{Checker, Colour, Conditions};
+use slipline_instrument::concern::Concern;
+use slipline_plate::check::{Checker, Conditions};
 use slipline_window::settings::ThemeChoice;
 
 /// Opens a setup of one tone on a preset.
@@ -23,7 +24,7 @@ pub(crate) fn open(app: &mut TestApp, preset: &str, boundary_m: f64) {
 fn symbols(app: &TestApp) -> Vec<(String, Rect)> {
     let named = |node: Node<'_>| Some((node.accesskit_node().label()?, node.rect()));
     let buttons = app.window.query_all_by_role(Role::Button).filter_map(named);
-    let colours = ["unchecked", "green", "amber", "red"].map(|colour| format!(", {colour}, "));
+    let colours = ["unchecked", "green", "note", "amber", "red"].map(|colour| format!(", {colour}, "));
     buttons.filter(|(name, _)| colours.iter().any(|colour| name.contains(colour))).collect()
 }
 
@@ -63,11 +64,16 @@ fn every_light_that_is_not_green_stands_on_the_stage_with_its_place_and_its_own_
         }
         for (name, rect) in &symbols {
             let light = failing.iter().find(|light| name.to_lowercase().starts_with(light.name)).unwrap();
-            let sides = if light.colour == Colour::Red { 4 } else { 3 };
-            assert_eq!(corners(&app, *rect), Some(sides), "{preset}: {name} {rect}");
+            // A note is a short bar.
+            let sides = match Concern::of(light, false) {
+                Concern::Red => Some(4),
+                Concern::Amber => Some(3),
+                Concern::Note | Concern::Green | Concern::Unchecked => None,
+            };
+            assert_eq!(corners(&app, *rect), sides, "{preset}: {name} {rect}");
         }
     }
-    assert!(app.has("Edge slope, amber, at 160.0 mm"), "{:?}", symbols(&app));
+    assert!(app.has("Edge slope, note, at 160.0 mm"), "{:?}", symbols(&app));
     open(&mut app, "al-bending-displacement", 0.15);
     assert!(app.has("Drive match, red, at the driven end"), "{:?}", symbols(&app));
 }
@@ -118,7 +124,7 @@ fn a_symbol_says_its_number_its_limit_and_what_to_do() {
     let place = symbol(&app, "Sensitivity").rect().center();
     app.hover(place, 2500);
     let said: Vec<String> = words(app.window.output()).into_iter().map(|(words, _)| words).collect();
-    let said = said.iter().find(|words| words.starts_with("Sensitivity: amber, at ")).unwrap();
+    let said = said.iter().find(|words| words.starts_with("Sensitivity: note, at ")).unwrap();
     for part in [" dB; green up to 1 dB, amber up to 6.02 dB", "on your own plate", "Press for all lights."] {
         assert!(said.contains(part), "{said}");
     }
@@ -136,7 +142,7 @@ fn pressing_a_symbol_opens_its_row_also_where_the_plots_are_in_front() {
         }
         symbol(&app, "Sensitivity").click();
         app.wait(1500);
-        let row = app.window.get_by_label("sensitivity: amber").rect();
+        let row = app.window.get_by_label("sensitivity: note").rect();
         // Above the row of buttons below the panel.
         assert!(row.top() > 60.0 && row.bottom() < size[1] - 40.0, "{size:?}: {row}");
         let sentence = app.window.get_by_label_contains("calibrate on your own plate").rect();
@@ -157,7 +163,7 @@ fn the_keys_reach_a_symbol_and_open_its_row() {
     symbol(&app, "Edge width").focus();
     app.wait(50);
     app.keys(Modifiers::NONE, Key::Enter, 300);
-    assert!(app.has("edge width: amber"));
+    assert!(app.has("edge width: note"));
 }
 
 #[test]

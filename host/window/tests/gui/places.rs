@@ -98,14 +98,14 @@ const EXCEPTIONS: [(&[&str], May, &str); 11] = [
 fn is_on_the_plate((role, name): &Name) -> bool {
     let is_handle = ["Boundary", "Finger", "Peak of tone", "Breakpoint", "Felt edge", "Place of the beat"];
     (role == "Slider" && is_handle.iter().any(|handle| name.starts_with(handle)))
-        || [", amber, ", ", red, "].iter().any(|colour| name.contains(colour))
+        || [", note, ", ", amber, ", ", red, "].iter().any(|colour| name.contains(colour))
 }
 
 /// What has moved, if anything, that the press of `pressed` may not move.
 fn moved(before: &Places, after: &Places, (pressed, at): (&Name, Rect), width: f32) -> Option<String> {
     let begins = |names: &[&str]| names.iter().any(|name| pressed.1.starts_with(name));
     let may = EXCEPTIONS.iter().find(|(names, ..)| begins(names)).map(|(_, may, _)| *may);
-    let may = if [", amber, ", ", red, "].iter().any(|colour| pressed.1.contains(colour)) {
+    let may = if [", note, ", ", amber, ", ", red, "].iter().any(|colour| pressed.1.contains(colour)) {
         // It opens its row on the page of lights.
         Some(May::Page)
     } else {

@@ -72,7 +72,7 @@ fn the_hint_lies_over_nothing_and_the_names_are_read_on_a_small_screen() {
         let line = line_rect(&app);
         // The line's column begins with the row of its flag; plate, envelope and strip are under that row.
         assert!(hint.bottom() <= line.top() + 27.0, "{size:?}: {hint} {line}");
-        for name in ["Wave", "View of the plate", "Validity: 3 amber"] {
+        for name in ["Wave", "View of the plate", "Validity: 3 notes"] {
             let Some(other) = app.window.query_by_label_contains(name).map(|node| node.rect()) else {
                 continue;
             };

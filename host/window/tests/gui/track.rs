@@ -3,7 +3,7 @@
 use crate::finger::{choose, finger_mm};
 use crate::test_app::TestApp;
 use crate::{boundary_mm, line_rect};
-use eframe::egui::{Key, Modifiers, Pos2, Rect, Theme, accesskit::Role, pos2, vec2};
+use eframe::egui::{Event, Key, Modifiers, Pos2, Rect, Theme, accesskit::Role, pos2, vec2};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_model::scenes::SCENES;
@@ -152,24 +152,25 @@ fn the_demonstration_moves_line_and_finger_for_ten_seconds_in_silence_and_leaves
     );
 }
 
+/// In the middle of the demonstration's move of the line.
+fn halfway() -> (TestApp, String) {
+    let mut app = demonstrated();
+    let text = app.setup_text();
+    for _ in 0..330 {
+        app.wait(50);
+    }
+    assert_ne!(app.setup_text(), text);
+    (app, text)
+}
+
 #[test]
-fn any_input_ends_the_demonstration_at_once_and_counts() {
-    let inputs: [fn(&mut TestApp); 3] = [
+fn a_press_or_a_key_ends_the_demonstration_at_once_and_counts() {
+    let inputs: [fn(&mut TestApp); 2] = [
         |app| app.window.key_press_modifiers(Modifiers::NONE, Key::P),
         |app| app.window.drag_at(pos2(300.0, 36.0)),
-        |app| {
-            app.hover(pos2(300.0, 300.0), 0);
-            app.window.hover_at(pos2(340.0, 300.0));
-        },
     ];
     for input in inputs {
-        let mut app = demonstrated();
-        let text = app.setup_text();
-        // In the middle of its move of the line.
-        for _ in 0..330 {
-            app.wait(50);
-        }
-        assert_ne!(app.setup_text(), text);
+        let (mut app, text) = halfway();
         input(&mut app);
         app.wait(100);
         assert_eq!(app.setup_text(), text);
@@ -177,6 +178,51 @@ fn any_input_ends_the_demonstration_at_once_and_counts() {
         app.wait(500);
         assert_eq!(finger_mm(&app), finger);
     }
+}
+
+#[test]
+fn what_a_window_manager_does_to_a_new_window_ends_no_demonstration() {
+    let (mut app, text) = halfway();
+    for event in [
+        Event::WindowFocused(true),
+        Event::ModifiersChanged(Modifiers::NONE),
+        Event::MouseMoved(vec2(30.0, 4.0)),
+        Event::PointerMoved(pos2(300.0, 300.0)),
+        Event::PointerMoved(pos2(700.0, 20.0)),
+        Event::PointerGone,
+        Event::WindowFocused(false),
+        Event::Key {
+            key: Key::Enter,
+            physical_key: None,
+            pressed: false,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        },
+    ] {
+        app.window.event(event.clone());
+        app.wait(50);
+        assert!(app.window.state().is_demonstrating(), "{event:?}");
+        assert_ne!(app.setup_text(), text, "{event:?}");
+    }
+    // What is kept meanwhile is the user's.
+    assert_eq!(slipline_model::setup::file::write(&app.window.state().kept_setup()), text);
+}
+
+#[test]
+fn help_shows_the_demonstration_again_and_drives_the_simulated_plate_for_it() {
+    let mut app = first_start();
+    app.key(Key::Space, 600);
+    assert!(!app.is_driving());
+    app.click("Help", 200);
+    app.click_part("Show the demonstration", 100);
+    app.until("driving", TestApp::is_driving);
+    let (before, text) = (finger_mm(&app), app.setup_text());
+    for _ in 0..100 {
+        app.wait(50);
+    }
+    assert!(app.window.state().is_demonstrating() && finger_mm(&app) != before);
+    app.keys(Modifiers::NONE, Key::P, 100);
+    assert_eq!(app.setup_text(), text);
 }
 
 #[test]

@@ -161,10 +161,8 @@ impl eframe::App for Window {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        // The line of a demonstration is not the user's.
-        self.app.end_demonstration();
         storage.set_string(KEPT_SETTINGS, self.app.settings().write());
-        let setup = setup_file::write(self.app.setup());
+        let setup = setup_file::write(&self.app.kept_setup());
         if self.linked.as_ref() != Some(&setup) {
             self.linked = None;
             storage.set_string(KEPT_SETUP, setup);

@@ -21,7 +21,9 @@ use crate::changes::Changes;
 use slipline_link::protocol::command;
 use slipline_link::protocol::event::State;
 use slipline_link::protocol::limits::MAX_DRIVE_MS;
-use slipline_link::{ChordRequest, Played, Port, Refusal, Request, Severity, Snapshot, Sounding, Ticket};
+use slipline_link::{
+    ChordRequest, LinkState, Played, Port, Refusal, Request, Severity, Snapshot, Sounding, Ticket,
+};
 use slipline_model::jobs::table::{TableMade, TableState};
 use slipline_model::setup::{MAX_TONES, Setup, edit};
 use slipline_model::{sounding, texture};
@@ -54,6 +56,8 @@ pub struct Drive {
 struct Tickets {
     /// The latest request for a connection.
     connect: Option<Ticket>,
+    /// The port of a request for a connection that the link has not begun with.
+    connecting: Option<Port>,
     /// The latest drive, until a refusal of it is handled.
     drive: Option<Ticket>,
     /// The latest drive.
@@ -140,7 +144,19 @@ impl Drive {
     /// Connects to a port.
     pub(crate) fn connect(&mut self, port: Port) {
         self.autopilot.connecting(&port);
+        self.tickets.connecting = Some(port.clone());
         self.tickets.connect = Some(self.send(Request::Connect(port)));
+    }
+
+    /// Whether the snapshot is older than the latest request for a connection: what it says of the link is no loss.
+    fn is_before_connection(&mut self) -> bool {
+        let link = &self.snapshot.link;
+        let has_begun = matches!(link.state, LinkState::Connecting | LinkState::Connected)
+            && link.port == self.tickets.connecting;
+        if has_begun || self.tickets.connect.is_some_and(|ticket| self.snapshot.outcome(ticket).is_some()) {
+            self.tickets.connecting = None;
+        }
+        self.tickets.connecting.is_some()
     }
 
     /// Whether the user wants the plate driven.
@@ -212,6 +228,9 @@ impl Drive {
 
     /// Sends what the autopilot decides after these changes.
     pub(crate) fn run_autopilot(&mut self, changes: &Changes, setup: &Setup, uploads: bool) {
+        if self.is_before_connection() {
+            return;
+        }
         let made = self.table_made().cloned();
         for action in self.autopilot.update(changes, &self.snapshot, made.as_deref(), uploads) {
             match action {

@@ -43,12 +43,8 @@ fn every_preset_has_every_light_in_one_order_each_with_a_sentence() {
         assert_eq!(*order.get_or_insert(names.clone()), names);
         // Over the span at level 1: who chooses it reads why.
         let red: Vec<&Light> = report.lights.iter().filter(|light| light.colour == Colour::Red).collect();
-        assert_eq!(
-            !red.is_empty(),
-            preset.description().contains(". Red light"),
-            "{}: {red:#?}",
-            preset.name
-        );
+        let is_red = red.iter().any(|light| light.name != "sound level");
+        assert_eq!(is_red, preset.description().contains(". Red light"), "{}: {red:#?}", preset.name);
         let loud = red.iter().find(|light| light.name == "sound level");
         if let Some(value) = loud.and_then(|light| light.value) {
             assert!(

@@ -184,4 +184,7 @@ fn help_menu(ui: &mut egui::Ui, intents: &mut Intents) {
     ] {
         entry(name, keys, help).show(ui, intents, Intent::Dialog(Some(dialog)));
     }
+    let help =
+        "Ten seconds: a finger strokes the simulated plate and the line moves. A press or a key ends it";
+    entry("Show the demonstration", "", help).show(ui, intents, Intent::Demonstrate);
 }

@@ -4,6 +4,7 @@ use crate::scene::Scene;
 use crate::view::fields::field::{UNKNOWN, row};
 use crate::view::theme;
 use eframe::egui::{self, Color32, CornerRadius, Rect, RichText, Sense, vec2};
+use slipline_instrument::concern::is_real;
 use slipline_plate::quantity::ticks;
 use theme::Palette;
 
@@ -35,7 +36,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
         // Before its first block a device has not reported its thermal limit.
         let is_held = status.now > 0 && status.foldback_per_mille < 1000;
         let held = if is_held { format!(", held to {held:.0} %") } else { String::new() };
-        Meter { share: heat, text: format!("{:.0} %{held}", heat * 100.0), colour: warn_from(0.8, heat) }
+        // A simulated coil is not warm.
+        let warns = if is_real(scene.snapshot) { 0.8 } else { f32::INFINITY };
+        Meter { share: heat, text: format!("{:.0} %{held}", heat * 100.0), colour: warn_from(warns, heat) }
     });
     meter(ui, "Thermal load", load, "The coil's computed warming, against its limit");
     ui.add_space(1.0);

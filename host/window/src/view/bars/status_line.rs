@@ -37,11 +37,14 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, seen: &mut Seen, intent
         ui.painter().galley(place.min, galley, palette.weak);
         return;
     }
-    let count = shown.len() as f32;
-    let width = (area.width() - BESIDE * (count - 1.0)) / count;
-    for (i, (notice, is_open)) in shown.into_iter().enumerate() {
-        let left = area.left() + i as f32 * (width + BESIDE);
-        let rect = Rect::from_min_size(egui::pos2(left, area.center().y - 0.5 * BUTTON), vec2(width, BUTTON));
+    let first = shown.first().map_or(0.0, |(notice, _)| whole_width(ui, &notice.text));
+    let widths = widths(area.width(), first, shown.len());
+    let mut left = area.left();
+    for ((notice, is_open), width) in shown.into_iter().zip(widths) {
+        let begin = left;
+        left += width + BESIDE;
+        let rect =
+            Rect::from_min_size(egui::pos2(begin, area.center().y - 0.5 * BUTTON), vec2(width, BUTTON));
         let layout = egui::Layout::left_to_right(egui::Align::Center);
         let mut cell = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(notice.number).layout(layout));
         match message(&mut cell, notice, rect, is_open) {
@@ -57,6 +60,26 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, seen: &mut Seen, intent
             whole(ui, notice, rect);
         }
     }
+}
+
+/// The least width of a message beside the first one, in points: some words, and its button.
+const LEAST: f32 = 130.0;
+
+/// The width of a message that shows all of `text`, in points.
+fn whole_width(ui: &egui::Ui, text: &str) -> f32 {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    theme::text_width(ui, text, font) + BUTTON + 20.0
+}
+
+/// The widths of `count` messages in a line of this width, in points: equal ones, but the first is whole as far as the others
+/// leave it room, because its instruction stands at its end.
+fn widths(room: f32, first: f32, count: usize) -> Vec<f32> {
+    let others = count.saturating_sub(1) as f32;
+    let equal = (room - BESIDE * others) / (others + 1.0);
+    let most = room - others * (LEAST + BESIDE);
+    let first = first.min(most).max(equal);
+    let rest = (room - first - BESIDE * others) / others.max(1.0);
+    std::iter::once(first).chain(std::iter::repeat(rest)).take(count).collect()
 }
 
 /// The messages to show, and whether each is shown in full; those whose time is over are put away.
@@ -162,4 +185,21 @@ fn whole(ui: &egui::Ui, notice: &Notice, place: Rect) {
             });
         });
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_message_is_whole_beside_others_as_long_as_they_have_room() {
+        assert_eq!(widths(1000.0, 300.0, 1), [1000.0]);
+        // Equal parts suffice.
+        assert_eq!(widths(1006.0, 300.0, 2), [500.0, 500.0]);
+        assert_eq!(widths(1006.0, 800.0, 2), [800.0, 200.0]);
+        assert_eq!(widths(1006.0, 2000.0, 2), [1006.0 - LEAST - BESIDE, LEAST]);
+        let three = widths(1012.0, 600.0, 3);
+        assert_eq!(three.iter().sum::<f32>() + 2.0 * BESIDE, 1012.0);
+        assert_eq!(three[0], 600.0);
+    }
 }

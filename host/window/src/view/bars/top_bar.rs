@@ -52,8 +52,10 @@ pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
         LinkState::Connected => match snapshot.drive.status {
             None => ("connected", palette.weak, "The device answers.".to_owned()),
             Some(status) => match status.state {
-                State::Idle => ("idle", palette.weak, "Disarmed: arm it to drive.".to_owned()),
-                State::Armed => ("armed", palette.good, "Armed and silent: ready to drive.".to_owned()),
+                State::Idle => ("idle", palette.weak, "Disarmed: press Arm, then Drive.".to_owned()),
+                State::Armed => {
+                    ("armed", palette.good, "Armed and at rest: press Drive to move the plate.".to_owned())
+                }
                 State::Driving => ("driving", palette.accent, "The device drives the plate.".to_owned()),
                 State::Waiting => {
                     ("waiting", palette.accent, "A drive waits for the trigger input.".to_owned())

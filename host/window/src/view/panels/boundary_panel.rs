@@ -12,7 +12,7 @@ use crate::view::fields::{
     slider::Quantity,
     sound,
 };
-use crate::view::stage::{self, finger};
+use crate::view::stage::finger;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
@@ -21,6 +21,9 @@ use slipline_model::setup::edit::Edit;
 use slipline_model::setup::{BoundaryMode, ToneSetup};
 use slipline_plate::check::sensation::SLIPPERY_FROM_HZ;
 use slipline_plate::quantity::{show_frequency, show_half_width, show_length, show_place};
+
+/// Size of the line's place, in points.
+const HEADLINE: f32 = 20.0;
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let setup = scene.setup;
@@ -37,16 +40,19 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     } else {
         "Vibration up to the line, stillness beyond it. Slipperiness needs 20 kHz and more."
     };
-    ui.label(RichText::new(kind).strong().size(15.0));
+    // The one number of the line, and beside it whose it is: another tone moves nothing.
+    let place = scene.line(slot).map_or(UNKNOWN.to_owned(), |line| show_place(line.place_m));
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(&place).strong().size(HEADLINE));
+        let many = setup.tones.len() > 1;
+        let kind = if many { format!("{kind}, tone {}", slot + 1) } else { kind.to_owned() };
+        ui.add(egui::Label::new(RichText::new(kind).strong().size(13.0)).truncate());
+    });
     ui.label(RichText::new(explanation).color(palette.weak).small());
-    if setup.tones.len() > 1 {
-        ui.label(RichText::new(format!("Selected: {}", stage::handle_name(scene, slot))).small());
-    }
     ui.add_space(4.0);
 
     let mut reason = None;
     ui.horizontal_top(|ui| {
-        let place = scene.line(slot).map_or(UNKNOWN.to_owned(), |line| show_place(line.place_m));
         let place_hint = "A place (120 mm, 12,5 cm) or a frequency (126 Hz, 40 kHz)";
         let hertz_hint = "A frequency (126 Hz, 40 kHz) or a place (120 mm)";
         for (caption, name, value, hint) in [

@@ -1,6 +1,7 @@
 //! The plate panel: the plate, its numbers and its table; the validity lights; the designer.
 
 mod air;
+mod cards;
 mod numbers;
 
 use crate::intent::{Asks as _, Intent, Intents};
@@ -76,14 +77,13 @@ fn presets(ui: &mut egui::Ui, plate: &Arc<Plate>, intents: &mut Intents) {
         .selected_text(name)
         .truncate()
         .width(ui.available_width() - 8.0)
-        .height(340.0)
+        .height(420.0)
         .show_ui(ui, |ui| {
-            for preset in slipline_plate::presets() {
-                let Some(other) = preset.plate() else { continue };
-                let is_this = other.spec() == plate.spec();
-                let label = ui.selectable_label(is_this, other.name());
-                if label.on_hover_text(preset.description()).clicked() && !is_this {
-                    intents.push(Intent::Edit(Edit::Plate(Arc::new(other))));
+            for card in cards::all() {
+                let is_this = card.plate.spec() == plate.spec();
+                if card.show(ui, is_this).clicked() && !is_this {
+                    intents.push(Intent::Edit(Edit::Plate(Arc::clone(&card.plate))));
+                    ui.close();
                 }
             }
             ui.separator();
@@ -128,7 +128,7 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
                 row(ui, "Travel at level 1", format!("{percent:.0} % of the peak travel at most"));
                 if travel.scale < 1.0 {
                     let text = format!("Lowered by {:.1} dB to keep the peak travel.", travel.lowered_db());
-                    ui.label(RichText::new(text).small().color(palette.warn));
+                    ui.label(RichText::new(text).small().color(palette.weak));
                 }
             }
             row(ui, "Levelled out", format!("{:.1} dB of swing", table.swing_without_gain_db()));

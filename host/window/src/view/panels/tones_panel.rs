@@ -96,7 +96,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     }
     if let Some(beat_hz) = slowest_beat_hz(scene) {
         let text = format!("Two ultrasonic tones {beat_hz:.0} Hz apart: a finger feels the beat.");
-        ui.label(RichText::new(text).small().color(palette.warn));
+        ui.label(RichText::new(text).small().color(palette.weak));
     }
 }
 

@@ -6,55 +6,55 @@ use crate::view::theme;
 use eframe::egui::{
     self, Color32, CornerRadius, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, pos2, vec2,
 };
-use slipline_plate::check::{Colour, Light};
+use slipline_instrument::concern::Concern;
+use slipline_plate::check::Light;
 use slipline_plate::quantity::{show_frequency, show_place};
 use theme::Palette;
 
 /// Half the size of a light's symbol, in points.
 const MARK: f32 = 4.5;
 
-pub(crate) fn ink(colour: Colour, palette: &Palette) -> Color32 {
-    match colour {
-        Colour::Unchecked => palette.weak,
-        Colour::Green => palette.good,
-        Colour::Amber => palette.warn,
-        Colour::Red => palette.wrong,
+pub(crate) fn ink(concern: impl Into<Concern>, palette: &Palette) -> Color32 {
+    match concern.into() {
+        Concern::Unchecked | Concern::Note => palette.weak,
+        Concern::Green => palette.good,
+        Concern::Amber => palette.warn,
+        Concern::Red => palette.wrong,
     }
 }
 
-/// The symbol of a colour: a ring, a dot, a triangle or a square. The shape serves users who cannot distinguish
+/// The symbol of a concern: a ring, a dot, a short bar, a triangle or a square. The shape serves users who cannot distinguish
 /// the colours.
-pub(crate) fn mark(painter: &egui::Painter, centre: Pos2, colour: Colour, fill: Color32) {
-    match colour {
-        Colour::Unchecked => {
+pub(crate) fn mark(painter: &egui::Painter, centre: Pos2, concern: impl Into<Concern>, fill: Color32) {
+    match concern.into() {
+        Concern::Unchecked => {
             painter.circle_stroke(centre, MARK - 0.75, Stroke::new(1.5, fill));
         }
-        Colour::Green => {
+        Concern::Green => {
             painter.circle_filled(centre, MARK, fill);
         }
-        Colour::Amber => {
+        Concern::Note => {
+            painter.rect_filled(Rect::from_center_size(centre, vec2(2.0 * MARK, 3.0)), 1.5, fill);
+        }
+        Concern::Amber => {
             let corners = [vec2(0.0, -MARK - 0.5), vec2(MARK + 0.8, MARK), vec2(-MARK - 0.8, MARK)];
             let corners = corners.map(|corner| centre + corner).to_vec();
             painter.add(Shape::convex_polygon(corners, fill, Stroke::NONE));
         }
-        Colour::Red => {
+        Concern::Red => {
             painter.rect_filled(Rect::from_center_size(centre, vec2(2.0 * MARK, 2.0 * MARK)), 0.0, fill);
         }
     }
 }
 
-/// The worst colour and the text of the summary.
-fn summary(scene: &Scene<'_>) -> (Option<Colour>, String) {
-    let Some(checked) = scene.background.checks.newest() else { return (None, "checking".to_owned()) };
-    let Ok(report) = &checked.report else { return (None, "not checked".to_owned()) };
-    let counts = [Colour::Red, Colour::Amber].map(|colour| (checked.count(colour), colour.name()));
-    let bad: Vec<String> = counts
-        .iter()
-        .filter(|(count, _)| *count > 0)
-        .map(|(count, word)| format!("{count} {word}"))
-        .collect();
-    let text = if bad.is_empty() { "all green".to_owned() } else { bad.join(", ") };
-    (Some(report.worst()), text)
+/// The worst concern and the text of the summary.
+fn summary(scene: &Scene<'_>) -> (Option<Concern>, String) {
+    if scene.background.checks.newest().is_none() {
+        return (None, "checking".to_owned());
+    }
+    scene
+        .concerns()
+        .map_or((None, "not checked".to_owned()), |concerns| (Some(concerns.worst()), concerns.summary()))
 }
 
 const CHIP_FONT: FontId = FontId::proportional(12.5);
@@ -128,13 +128,10 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
                 ui.add(egui::Label::new(RichText::new(text).color(palette.weak)).wrap());
                 ui.add_space(4.0);
             }
-            let mut lights: Vec<&Light> = report.lights.iter().collect();
-            // Problems come first; lights of the same colour keep their order.
-            lights.sort_by_key(|light| std::cmp::Reverse(light.colour));
-            for shown in lights {
+            for (concern, shown) in scene.concerns().into_iter().flat_map(|concerns| concerns.lights) {
                 let behind = ui.painter().add(Shape::Noop);
-                let row = ui.scope(|ui| light(ui, shown, palette)).response.rect;
-                if view.pressed_light == Some(shown.name) && shown.colour > Colour::Green {
+                let row = ui.scope(|ui| light(ui, shown, concern, palette)).response.rect;
+                if view.pressed_light == Some(shown.name) && concern > Concern::Green {
                     let fill = palette.accent.gamma_multiply(0.14);
                     ui.painter().set(behind, Shape::rect_filled(row.expand(3.0), 4.0, fill));
                     if std::mem::take(&mut view.scrolls_to_light) {
@@ -147,24 +144,19 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
     }
 }
 
-fn light(ui: &mut egui::Ui, light: &Light, palette: &Palette) {
+fn light(ui: &mut egui::Ui, light: &Light, concern: Concern, palette: &Palette) {
     const INDENT: f32 = 20.0;
     ui.spacing_mut().item_spacing.y = 1.0;
     ui.horizontal(|ui| {
         ui.spacing_mut().interact_size.y = 18.0;
         let (rect, _) =
             ui.allocate_exact_size(vec2(INDENT - ui.spacing().item_spacing.x, 18.0), Sense::hover());
-        mark(
-            ui.painter(),
-            rect.left_center() + vec2(MARK + 1.0, 0.0),
-            light.colour,
-            ink(light.colour, palette),
-        );
+        let ink = ink(concern, palette);
+        mark(ui.painter(), rect.left_center() + vec2(MARK + 1.0, 0.0), concern, ink);
         ui.label(title(light));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let text = RichText::new(light.colour.name()).small().color(ink(light.colour, palette));
-            let label = ui.label(text);
-            let said = format!("{}: {}", light.name, light.colour.name());
+            let label = ui.label(RichText::new(concern.name()).small().color(ink));
+            let said = format!("{}: {}", light.name, concern.name());
             label.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &said));
         });
     });

@@ -8,6 +8,7 @@ use crate::view::panels::validity;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, Rangef, Rect, Sense, Shape, Stroke, pos2, vec2};
+use slipline_instrument::concern::Concern;
 use slipline_plate::check::{Light, Stretch};
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;
@@ -25,7 +26,7 @@ const STALE: f32 = 0.45;
 
 /// The lights that are not green, from the driven end on.
 pub(crate) struct LightMarks<'a> {
-    lights: Vec<&'a Light>,
+    lights: Vec<(Concern, &'a Light)>,
     /// Where their symbols are on the screen, in the same order, in points.
     at: Vec<f32>,
     /// Distance of the symbols, in points.
@@ -53,7 +54,8 @@ impl<'a> LightMarks<'a> {
         let behind = ui.painter().add(Shape::Noop);
         let (lights, is_current) = failing(scene);
         let line = scene.line(scene.selected).map(|line| axis.line_from_place(line.place_m));
-        let wanted: Vec<f32> = lights.iter().map(|light| axis.screen_from_place(middle_m(light))).collect();
+        let wanted: Vec<f32> =
+            lights.iter().map(|(_, light)| axis.screen_from_place(middle_m(light))).collect();
         let (at, gap) = beside(line, &wanted, area.shrink(0.5 * HANDLE));
         let mut marks = Self { lights, at, gap, is_current, row: top - RAISED, axis: *axis, views, behind };
         marks.stay(scene, view);
@@ -74,12 +76,12 @@ impl<'a> LightMarks<'a> {
         let palette = theme::palette(ui);
         let painter = ui.painter();
         let share = if self.is_current { 1.0 } else { STALE };
-        let mut marks: Vec<(&Light, f32)> =
+        let mut marks: Vec<((Concern, &Light), f32)> =
             self.lights.iter().copied().zip(self.at.iter().copied()).collect();
-        // Red over amber.
-        marks.sort_by_key(|(light, _)| light.colour);
-        for (light, x) in marks {
-            let ink = validity::ink(light.colour, palette).gamma_multiply(share);
+        // Red over amber over notes.
+        marks.sort_by_key(|((concern, _), _)| *concern);
+        for ((concern, light), x) in marks {
+            let ink = validity::ink(concern, palette).gamma_multiply(share);
             for stretch in &light.stretches {
                 let range = on_screen(&self.axis, stretch);
                 let (bar, half) =
@@ -87,7 +89,7 @@ impl<'a> LightMarks<'a> {
                 let middle = top - 0.5 * BAR;
                 painter.rect_filled(Rect::from_x_y_ranges(bar, middle - half..=middle + half), 0.0, ink);
             }
-            validity::mark(painter, pos2(x, self.row), light.colour, ink);
+            validity::mark(painter, pos2(x, self.row), concern, ink);
         }
     }
 
@@ -95,22 +97,22 @@ impl<'a> LightMarks<'a> {
     pub(crate) fn interact(&self, ui: &egui::Ui, view: &mut ViewState, intents: &mut Intents) -> bool {
         let palette = theme::palette(ui);
         let mut is_pointed_at = false;
-        for (light, &x) in self.lights.iter().zip(&self.at) {
+        for (&(concern, light), &x) in self.lights.iter().zip(&self.at) {
             let rect = Rect::from_center_size(pos2(x, self.row), vec2(self.gap.min(HANDLE), HANDLE));
             let id = ui.scope_id().with(("light", light.name));
             // With a click alone the view under it would take the drag.
             let response = ui.interact(rect, id, Sense::click_and_drag());
-            let name = format!("{}, {}, {}", validity::title(light), light.colour.name(), places(light));
+            let name = format!("{}, {}, {}", validity::title(light), concern.name(), places(light));
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
             if response.has_focus() {
                 ui.painter().circle_stroke(rect.center(), 9.0, Stroke::new(2.0, palette.accent));
             }
             is_pointed_at |= response.hovered();
             if response.hovered() || response.has_focus() {
-                self.point_out(ui, light, palette);
+                self.point_out(ui, light, validity::ink(concern, palette));
             }
             let is_pressed = response.clicked();
-            response.on_hover_text(help(light, self.is_current));
+            response.on_hover_text(help(light, concern, self.is_current));
             if is_pressed {
                 view.open_light(light.name, intents);
             }
@@ -119,8 +121,7 @@ impl<'a> LightMarks<'a> {
     }
 
     /// Shows in plate and envelope where this light fails.
-    fn point_out(&self, ui: &egui::Ui, light: &Light, palette: &theme::Palette) {
-        let ink = validity::ink(light.colour, palette);
+    fn point_out(&self, ui: &egui::Ui, light: &Light, ink: egui::Color32) {
         let shape = |stretch| {
             let range = on_screen(&self.axis, stretch);
             let range = if range.span() > BAR { range } else { range.expand(0.5 * BAR) };
@@ -132,18 +133,19 @@ impl<'a> LightMarks<'a> {
     }
 }
 
-/// The amber and red lights with a place on the plate, from the driven end on, and whether they are those of the boundary on
+/// The lights that are not green and have a place on the plate, from the driven end on, and whether they are those of the boundary on
 /// the screen.
-fn failing<'a>(scene: &'a Scene<'_>) -> (Vec<&'a Light>, bool) {
+fn failing<'a>(scene: &'a Scene<'_>) -> (Vec<(Concern, &'a Light)>, bool) {
     let checks = &scene.background.checks;
     let checked = checks.newest().filter(|checked| Arc::ptr_eq(&checked.job.plate, &scene.setup.plate));
     let (Some(checked), Some(tone)) = (checked, scene.setup.tone(scene.selected)) else {
         return (Vec::new(), true);
     };
     let lights = checked.report.as_ref().map_or(&[][..], |report| &report.lights);
-    let mut failing: Vec<&Light> = lights.iter().filter(|light| !light.stretches.is_empty()).collect();
+    let failing = lights.iter().filter(|light| !light.stretches.is_empty());
+    let mut failing: Vec<_> = failing.map(|light| (scene.concern(light), light)).collect();
     // Lights of the same place keep their order.
-    failing.sort_by(|a, b| middle_m(a).total_cmp(&middle_m(b)));
+    failing.sort_by(|(_, a), (_, b)| middle_m(a).total_cmp(&middle_m(b)));
     (failing, checked.job.boundary_m == tone.position_m && checks.current().is_some())
 }
 
@@ -165,9 +167,9 @@ fn places(light: &Light) -> String {
     light.stretches.iter().map(words).collect::<Vec<_>>().join(", ")
 }
 
-/// Name, colour, place, number with its limits, and the sentence with what can be done.
-fn help(light: &Light, is_current: bool) -> String {
-    let mut help = format!("{}: {}, {}", validity::title(light), light.colour.name(), places(light));
+/// Name, concern, place, number with its limits, and the sentence with what can be done.
+fn help(light: &Light, concern: Concern, is_current: bool) -> String {
+    let mut help = format!("{}: {}, {}", validity::title(light), concern.name(), places(light));
     if let Some(number) = light.number() {
         help.push_str(&format!("\n{number}"));
         if let Some(limit) = light.limit {
