@@ -57,7 +57,7 @@ class Access(unittest.TestCase):
         edge_mm = 1e3 * shared.felt(self.page)["felt_edge_m"]
         self.spoken(f"The felt edge is at {edge_mm:.1f} mm.")
         shared.drive(self.page)
-        self.spoken("The plate is driven.")
+        self.spoken("Driving.")
         self.page.keyboard.press("Escape")
         self.spoken("Armed, at rest.")
         self.assertEqual(self.errors, [])

@@ -19,6 +19,9 @@ mod fixed_link;
 mod holding;
 #[path = "in_use/measuring.rs"]
 mod measuring;
+#[cfg(feature = "figures")]
+#[path = "in_use/one_truth.rs"]
+mod one_truth;
 #[path = "in_use/pluggable_port.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod pluggable_port;

@@ -76,7 +76,12 @@ impl Instrument {
 
     /// Moves the line of a slot as a drag does, through these places in metres: a recording takes all of
     /// them, the plate the last.
+    ///
+    /// While the plate is measured, its lines stay where they are: nothing that is heard or felt would follow them.
     pub fn drag_line(&mut self, slot: u8, places_m: &[f64]) {
+        if self.lab.is_measuring() {
+            return;
+        }
         let Some((&last_m, earlier_m)) = places_m.split_last() else { return };
         let (table, now_s) = (self.drive.drive_table(), self.attention.now_s);
         self.desk.note_moves(slot, earlier_m, table, now_s, &mut self.out);

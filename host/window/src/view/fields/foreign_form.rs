@@ -58,10 +58,11 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
                     ask(MeasureIntent::Describe(ForeignMetadata { snr_db, ..stated }));
                 }
             }
-            if let Some(kind) = kind(ui, "It showed", stated.kind) {
-                ask(MeasureIntent::Describe(ForeignMetadata { kind: Some(kind), ..stated }));
-            }
         });
+        // In a row of its own: three would be wider than the side panel.
+        if let Some(kind) = kind(ui, "Sensor type", stated.kind) {
+            ask(MeasureIntent::Describe(ForeignMetadata { kind: Some(kind), ..stated }));
+        }
         refusal(ui, reason.as_deref().or(asked.refused.as_deref()));
         if let AskedContent::Recording { sweep, .. } = &asked.content {
             ui.horizontal(|ui| {

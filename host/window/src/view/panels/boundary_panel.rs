@@ -35,12 +35,12 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let explanation = if frequency_hz >= SLIPPERY_FROM_HZ {
         "Slippery up to the line, the plate's own friction beyond."
     } else {
-        "Vibration up to the line, stillness beyond it. Slipperiness needs 20 kHz and more."
+        "Vibration up to the line, stillness beyond it. Slippery surfaces need 20 kHz or more."
     };
     ui.label(RichText::new(kind).strong().size(15.0));
     ui.label(RichText::new(explanation).color(palette.weak).small());
     if setup.tones.len() > 1 {
-        ui.label(RichText::new(format!("Selected: {}", stage::handle_name(scene, slot))).small());
+        ui.label(RichText::new(format!("Tone {}", slot + 1)).small());
     }
     ui.add_space(4.0);
 

@@ -49,6 +49,10 @@ pub(super) fn show(
         // Not by the keyboard, which moves the line itself.
         let response = ui.interact(over, ui.scope_id().with(name), Sense::CLICK | Sense::DRAG);
         theme::describe(&response, name, help);
+        if scene.is_measured_now() {
+            pressing.waits = None;
+            continue;
+        }
         take(ui, &response, scene, layout, pressing, intents);
     }
     let is_down = ui.input(|input| input.pointer.primary_down());
