@@ -18,6 +18,10 @@ use slipline_plate::quantity::number_format::with_decimals;
 /// Width of the button that cancels, in points.
 const CANCEL: f32 = 140.0;
 
+/// What the hidden test plate is ([`slipline_instrument::rig::secret`]).
+const SECRET_HELP: &str = "To try a calibration: the sensor stands on a plate near this one, whose numbers are not shown. Its wave speed is up \
+    to 5 % off, its loss 0.5 to 2.5 times as high, and its drive another one";
+
 /// Shows the form. `answers` is the calibration's place that the measurement is for.
 pub(crate) fn show(
     ui: &mut egui::Ui,
@@ -111,7 +115,7 @@ fn settings(
         let switch = egui::Checkbox::new(&mut is_secret, "Hidden test plate (its numbers differ)");
         let switch = ui.add_enabled(answers != Some(1), switch);
         if switch
-            .on_hover_text("To try a calibration: the sensor stands on a plate with unknown numbers")
+            .on_hover_text(SECRET_HELP)
             .changed()
         {
             ask(MeasureIntent::Secret(is_secret));
