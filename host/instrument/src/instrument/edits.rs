@@ -192,7 +192,7 @@ impl Instrument {
         self.held = Some(HeldLines { plate, edges_m, full_peak_m });
     }
 
-    /// Moves the tones to where the lines keep their places, now that the calibrated plate's table is there. It says how far a
+    /// Moves the tones to where the lines keep their places, now that the calibrated plate's table is finished. It says how far a
     /// level moves this plate, if the file said something else, and which line could not stay.
     pub(super) fn hold_lines(&mut self) {
         let is_in_use = |held: &HeldLines| Arc::ptr_eq(&held.plate, self.desk.plate());

@@ -64,7 +64,7 @@ pub struct Instrument {
     /// Messages and actions for the shell.
     pub out: Outbox,
     attention: Attention,
-    /// Lines that keep their places on a calibrated plate, until its table is there.
+    /// Lines that keep their places on a calibrated plate, until its table is finished.
     held: Option<HeldLines>,
 }
 

@@ -130,7 +130,7 @@ fn a_tap_on_the_simulated_plate_is_seen_by_its_sensor() {
     };
     assert!(app.shows("dB of full scale. Tap the plate"));
     let quiet = level_db(&app);
-    app.click_button("Tap on the simulated plate", 200);
+    app.click_button("Tap the simulated plate", 200);
     app.wait(200);
     let tapped = level_db(&app);
     assert!(tapped > quiet + 10.0, "{quiet} {tapped}");

@@ -81,7 +81,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
             if add.on_disabled_hover_text(missing.unwrap_or_default()).clicked() {
                 ask(MeasureIntent::TakeAsked);
             }
-            if ui.button("Leave it").on_hover_text("Close the file and keep nothing of it").clicked() {
+            if ui.button("Leave it").on_hover_text("Close the file without adding it to the list").clicked() {
                 ask(MeasureIntent::LeaveAsked);
             }
         });

@@ -38,7 +38,7 @@ fn why_not(ui: &mut egui::Ui, refused: &Refused, intents: &mut Intents) {
         Remedy::Page(step) => (format!("Back to page {}", step.number()), CalibrateIntent::Page(step)),
     };
     let help = ui.add(theme::primary(ui, &name, true));
-    help.on_hover_text("Do what the text above proposes; your entries stay")
+    help.on_hover_text("Apply the proposed remedy; your entries stay")
         .asks(intents, Intent::Calibrate(intent));
 }
 
