@@ -66,7 +66,8 @@ impl Drive {
         if changes.state || changes.faults {
             match fault_sentence(&self.snapshot) {
                 Some(sentence) => out.fault(sentence),
-                None => out.cleared(),
+                None if changes.faults => out.cleared(),
+                None => {}
             }
         }
         self.report_remaining_faults(out);

@@ -71,7 +71,7 @@ fn a_fault_is_said_before_all_else_until_it_is_cleared() {
     let status = Status { state: State::Fault, faults: Faults::NONE.with(Fault::DriveTime), ..Status::default() };
     faulty.drive.status = Some(status);
     let mut out = Outbox::default();
-    let changed = Changes { state: true, ..Changes::default() };
+    let changed = Changes { state: true, faults: true, ..Changes::default() };
     let first = |out: &Outbox| out.notices().next().map(|notice| notice.text.clone());
     let (mut stopped, _) = drive(&setup, faulty);
     out.post("Saved".to_owned());

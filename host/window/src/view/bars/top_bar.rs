@@ -167,7 +167,7 @@ fn in_use(ui: &mut egui::Ui, scene: &Scene<'_>, stop: Option<f32>, intents: &mut
         let is_measured = scene.is_measured_now();
         let is_wide = row >= if is_measured { ROOM_FOR_PROGRESS } else { ROOM_FOR_FAULT };
         let least = if is_measured && is_wide { LONGEST_PROGRESS } else { USUAL_STATE };
-        chip(ui, (word, more.filter(|_| is_wide)), least, colour).on_hover_text(sentence);
+        chip(ui, (word, more), (is_wide, least), colour).on_hover_text(sentence);
         offer_buttons(ui, scene, intents);
     });
     let room = room - device - shown.response.rect.width() - gap;
@@ -232,17 +232,18 @@ fn chip_width(ui: &egui::Ui, text: &str) -> f32 {
     theme::text_width(ui, text, CHIP_FONT) + 34.0
 }
 
-/// A rounded box with a coloured dot, a word, and the cause of a fault or the progress of a measurement. It is no narrower than
-/// for the text `least`.
+/// A rounded box with a coloured dot, a word, and where there is room for it the cause of a fault or the progress of a
+/// measurement. It is no narrower than for the text `least`.
 fn chip(
     ui: &mut egui::Ui,
     (word, more): (&str, Option<String>),
-    least: &str,
+    (is_wide, least): (bool, &str),
     colour: Color32,
 ) -> egui::Response {
     let said = more.map_or_else(|| word.to_owned(), |more| format!("{word}: {more}"));
-    let size = vec2(chip_width(ui, &said).max(chip_width(ui, least)), 24.0);
-    let galley = ui.painter().layout_no_wrap(said.clone(), CHIP_FONT, colour);
+    let shown = if is_wide { said.as_str() } else { word };
+    let size = vec2(chip_width(ui, shown).max(chip_width(ui, least)), 24.0);
+    let galley = ui.painter().layout_no_wrap(shown.to_owned(), CHIP_FONT, colour);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter();
     painter.rect(
