@@ -57,8 +57,8 @@ class Access(unittest.TestCase):
         edge_mm = 1e3 * shared.felt(self.page)["felt_edge_m"]
         self.spoken(f"The felt edge is at {edge_mm:.1f} mm.")
         shared.drive(self.page)
-        self.spoken("The plate is driven.")
-        self.page.wait_for_function("document.title === 'The plate is driven - Slipline'", timeout=shared.PATIENCE_S * 1e3)
+        self.spoken("Driving.")
+        self.page.wait_for_function("document.title === 'Driving - Slipline'", timeout=shared.PATIENCE_S * 1e3)
         self.page.keyboard.press("Escape")
         self.spoken("Armed, at rest.")
         self.assertEqual(self.errors, [])

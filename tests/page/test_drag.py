@@ -86,7 +86,7 @@ class Drag(unittest.TestCase):
     def test_no_keep_alive_is_missed_while_sheets_are_computed(self):
         page = self.page
         shared.need_names(self, page)
-        shared.choose(page, "View", "Wave: 2-D sheet if possible", "RadioButton")
+        shared.choose(page, "View", "Wave: 2-D where possible", "RadioButton")
         before = shared.drive(page)
         shared.computing(page, "Sheet")
         began = page.evaluate("performance.now()")

@@ -85,7 +85,7 @@ class Stop(unittest.TestCase):
 
     def test_each_stop_while_sheets_are_computed(self):
         shared.need_names(self, self.page)
-        shared.choose(self.page, "View", "Wave: 2-D sheet if possible", "RadioButton")
+        shared.choose(self.page, "View", "Wave: 2-D where possible", "RadioButton")
         self.page.locator("#window").focus()
         for field, event, act, limit_ms in [
             ("stops_sent_ms", "keydown", lambda: self.page.keyboard.press("Escape"), shared.STOP_MS),
@@ -165,7 +165,7 @@ class End(unittest.TestCase):
         witness.goto(address + "heard.html")
         page, errors = shared.opened(context, address)
         if shared.has_names(page):
-            shared.choose(page, "View", "Wave: 2-D sheet if possible", "RadioButton")
+            shared.choose(page, "View", "Wave: 2-D where possible", "RadioButton")
         # No page that opens comes between this and the end: it would hide this one, which stops by itself.
         page.bring_to_front()
         shared.drive(page)

@@ -54,6 +54,18 @@ class Window(unittest.TestCase):
         if folder:
             page.screenshot(path=str(pathlib.Path(folder, f"{name}.png")))
 
+    def test_there_is_one_stop_to_see_and_it_covers_nothing_else(self):
+        page, _ = self.opened()
+        # 1280 x 720 pixels as they are, and magnified by the browser to 300 %.
+        for width, height in [(1280, 720), (427, 240)]:
+            page.set_viewport_size({"width": width, "height": height})
+            page.wait_for_timeout(2000)
+            seen = shared.reached(page, "STOP", "Button")["rect"]
+            box = page.locator("#stop").bounding_box()
+            own = [box["x"], box["y"], box["x"] + box["width"], box["y"] + box["height"]]
+            for drawn, lies in zip(seen, own):
+                self.assertAlmostEqual(drawn, lies, delta=2.0, msg=f"{width} x {height}: {seen} {own}")
+
     def test_the_boundary_is_dragged_and_undone(self):
         page, errors = self.opened()
         shared.felt(page)

@@ -22,7 +22,8 @@
 //!   act. `instrument/desk/`: setup, history, comparison; `instrument/drive/`: link, requests, table, STOP
 //!   (`instrument/drive/stop_presses.rs`); `instrument/lab/`: measurements, calibration, rig, level hold;
 //!   `instrument/screen/`: prediction, playback, textures, the actual plate beside the predicting one.
-//!   Edits and their sources: `instrument/edits.rs`. Tests:
+//!   Edits and their sources: `instrument/edits.rs`; lines that stay on a calibrated plate: `instrument/held_lines.rs`;
+//!   files of what is shown: `instrument/exports.rs`. Tests:
 //!   `host/instrument/tests/in_use/`
 //! - `autopilot.rs`: sends drives and tables without a user action. Tests: `host/window/tests/gui/states.rs`,
 //!   `host/instrument/tests/in_use/starting.rs`
@@ -70,6 +71,6 @@ pub mod rig;
 pub use instrument::{
     Asked, AskedContent, AskedTable, Attention, Awaited, Background, CalibrateIntent, CalibrateScene,
     DesignState, Desk, DeviceIntent, DragRecorder, Drive, HoldScene, Instrument, Jobs, Link, LiveScene,
-    MeasureDraft, MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, SAFE_MODE, Screen, Shown,
-    TextureScene, Waiting,
+    MeasureDraft, MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, Progress, SAFE_MODE, Screen, Shown,
+    TextureScene, Waiting, fault_sentence,
 };

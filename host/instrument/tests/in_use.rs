@@ -21,6 +21,9 @@ mod holding;
 mod lights;
 #[path = "in_use/measuring.rs"]
 mod measuring;
+#[cfg(feature = "figures")]
+#[path = "in_use/one_truth.rs"]
+mod one_truth;
 #[path = "in_use/pluggable_port.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod pluggable_port;

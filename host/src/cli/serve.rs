@@ -36,7 +36,7 @@ pub struct ServeArguments {
     #[arg(long, value_name = "KIND", value_parser = measured_file::kind, default_value = "displacement", requires = "sensor")]
     kind: SensorKind,
     /// The actual plate, if it differs from the plate of --plate: a preset's name, a TOML file, or
-    /// secret:SEED (a plate whose values all deviate by a few per cent).
+    /// secret:SEED (a plate near it: wave speed within 5 %, 0.5 to 2.5 times the loss).
     #[arg(long, value_name = "TRUTH", requires = "sensor")]
     actual_plate: Option<String>,
     // For the trace, which main writes.

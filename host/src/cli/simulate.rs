@@ -31,7 +31,7 @@ pub struct SimulateArguments {
     #[command(flatten)]
     sounds: SetupArgument,
     /// The plate on which the waves run, if it differs from the table's plate. A preset's name, a TOML file, or
-    /// secret:SEED (a plate whose values all deviate by a few per cent).
+    /// secret:SEED (a plate near it: wave speed within 5 %, 0.5 to 2.5 times the loss).
     #[arg(long, value_name = "TRUTH")]
     actual_plate: Option<String>,
     /// Longest drive, 10ms to 600s: it ends when the plate has settled and been measured for 2s.

@@ -292,8 +292,9 @@ fn main() -> eframe::Result {
         let setup = first_setup().ok_or_else(|| anyhow::anyhow!("the first preset is damaged"))?;
         let app = App::new(ctx, parts, setup, Settings::default());
         let (link, began) = (handle.clone(), [Instant::now(); 2]);
+        let press_ages = app.press_ages();
         let bench = Bench { app, link, began, stage: Stage::Settling(began[0]), drawn, _worker: worker };
-        Ok((Box::new(bench) as Box<dyn eframe::App>, handle))
+        Ok((Box::new(bench) as Box<dyn eframe::App>, handle, press_ages))
     };
     run_in_event_loop("Slipline drag", options, open, move || at.set(Instant::now()))
 }

@@ -171,7 +171,7 @@ impl Hand {
         let began = Instant::now();
         self.press(Role::Button, "Plate");
         self.press(Role::Button, "Measure");
-        self.press(Role::CheckBox, "A secret plate, a few per cent off");
+        self.press(Role::CheckBox, "Hidden test plate (its numbers differ)");
         self.press(Role::Button, "Calibrate…");
         for number in [1, 2] {
             self.page(number);
@@ -291,9 +291,10 @@ fn calibrate(preset: &'static str) -> Result<(), String> {
         ctx.enable_accesskit();
         ctx.add_plugin(seen.clone());
         let app = App::new(ctx, parts, setup, Settings::default());
+        let press_ages = app.press_ages();
         let hand = Hand { ctx: ctx.clone(), seen, saved };
         *lock(&moved) = Some(spawn(move || hand.calibrate()));
-        Ok((Box::new(Window { app, _worker: worker }) as Box<dyn eframe::App>, handle))
+        Ok((Box::new(Window { app, _worker: worker }) as Box<dyn eframe::App>, handle, press_ages))
     };
     run_in_event_loop("Slipline wizard", options, open, || ()).map_err(|error| error.to_string())?;
     let hand = lock(&hand).take().ok_or("the window was never opened")?;

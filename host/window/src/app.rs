@@ -25,12 +25,14 @@ mod outputs;
 mod pace;
 mod paths;
 mod perform;
+mod press_ages;
 mod sound;
 #[cfg(not(target_arch = "wasm32"))]
 mod window;
 
 #[cfg(not(target_arch = "wasm32"))]
 pub use event_loop::run as run_in_event_loop;
+pub use press_ages::PressAges;
 pub use slipline_instrument::{Jobs, Link};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
 #[cfg(not(target_arch = "wasm32"))]
@@ -117,6 +119,9 @@ pub struct App {
     thumbnails: Vec<Thumbnail>,
     /// The file job that waits until the user types a path.
     asked: Option<FileJob>,
+    press_ages: PressAges,
+    /// The age of the press that is handled now, in seconds.
+    press_age_s: f64,
     view: ViewState,
     screenshots: (Sender<Arc<egui::ColorImage>>, Receiver<Arc<egui::ColorImage>>),
 }
@@ -142,6 +147,8 @@ impl App {
             behind: None,
             thumbnails: Vec::new(),
             asked: None,
+            press_ages: PressAges::default(),
+            press_age_s: 0.0,
             view: ViewState::default(),
             screenshots: channel(),
         };
@@ -157,6 +164,12 @@ impl App {
     /// Opens a setup or plate file, or what else the menu opens.
     pub fn open(&mut self, file: PathBuf) {
         self.services.files.begin(FileJob::Open(file));
+    }
+
+    /// The ages of the presses that a frame handles, for the shell to set before each.
+    #[must_use]
+    pub fn press_ages(&self) -> PressAges {
+        self.press_ages.clone()
     }
 
     /// The user's setup.

@@ -27,7 +27,7 @@ impl WizardPage {
         match self {
             Self::Plate => "The plate as it is known",
             Self::FirstPlace => "The sensor's first place",
-            Self::FirstAnswer => "What it answers there",
+            Self::FirstAnswer => "Measure at this position",
             Self::SecondPlace => "The sensor's second place",
             Self::Result => "The plate as it was measured",
         }

@@ -39,10 +39,15 @@ impl Instrument {
         self.drive.start(self.desk.setup(), &self.attention, &mut self.out);
     }
 
+    /// When the press that is handled now was made, in seconds of the user's time.
+    const fn pressed_s(&self) -> f64 {
+        self.attention.now_s - self.attention.press_age_s
+    }
+
     /// Carries out a press of a key of STOP. Esc also leaves pages and fields, so on a simulated device that is known to be
     /// silent a key is no first press.
     pub fn press_stop_key(&mut self) {
-        if self.drive.is_known_to_be_silent(self.attention.now_s) && !self.lab.is_measuring() {
+        if self.drive.is_known_to_be_silent(self.pressed_s()) && !self.lab.is_measuring() {
             self.stop();
         } else {
             self.press_stop();
@@ -51,7 +56,7 @@ impl Instrument {
 
     /// Carries out a press of the STOP button.
     pub fn press_stop(&mut self) {
-        if self.drive.is_second_stop(self.attention.now_s) {
+        if self.drive.is_second_stop(self.pressed_s()) {
             self.end_drive(Request::EmergencyStop);
         } else {
             self.stop();
@@ -94,7 +99,7 @@ impl Instrument {
     pub fn perform_calibrate(&mut self, intent: CalibrateIntent) {
         let (lab, mut reach) = self.reach();
         if let Some(plate) = lab.perform_calibrate(intent, &mut reach) {
-            self.edit(&Edit::Plate(plate));
+            self.use_calibrated(plate);
             self.out.post("The calibrated plate is in use. Undo takes it back.".to_owned());
         }
     }

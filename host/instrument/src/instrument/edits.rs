@@ -2,10 +2,19 @@
 
 use super::Instrument;
 use super::desk::SetupChange;
+use super::held_lines::HeldLines;
 use crate::recording::Move;
 use slipline_model::setup::BoundaryMode;
 use slipline_model::setup::edit::{Edit, EditError};
 use slipline_model::setup::undo::Gesture;
+use slipline_plate::Plate;
+use slipline_plate::quantity::{show_length, show_place};
+use std::sync::Arc;
+
+/// A line that is farther off its place than this has moved, in metres: the smallest step of the arrow keys.
+const MOVED_M: f64 = 1e-4;
+/// A full scale that has changed by less than this share is not worth a message.
+const SAME: f64 = 0.05;
 
 impl Instrument {
     /// Applies a change by the user, records it for undo, and sends it at once if the plate is driven. Its remark or error is
@@ -76,7 +85,12 @@ impl Instrument {
 
     /// Moves the line of a slot as a drag does, through these places in metres: a recording takes all of
     /// them, the plate the last.
+    ///
+    /// While the plate is measured, its lines stay where they are: nothing that is heard or felt would follow them.
     pub fn drag_line(&mut self, slot: u8, places_m: &[f64]) {
+        if self.lab.is_measuring() {
+            return;
+        }
         let Some((&last_m, earlier_m)) = places_m.split_last() else { return };
         let (table, now_s) = (self.drive.drive_table(), self.attention.now_s);
         self.desk.note_moves(slot, earlier_m, table, now_s, &mut self.out);
@@ -163,6 +177,48 @@ impl Instrument {
             let text = "The lines are at turning points now: no tone of a texture has a felt edge of its own. \
                         Undo, or \"Line at\" on the page Boundary, takes it back.";
             self.out.post(text.to_owned());
+        }
+    }
+}
+
+/// Calibrated plates.
+impl Instrument {
+    /// Uses a plate that was calibrated on the present one; the lines keep their felt edges.
+    pub(super) fn use_calibrated(&mut self, plate: Arc<Plate>) {
+        let edges_m = self.screen.edges_m(&self.desk, &self.drive);
+        let full_peak_m = self.drive.full_peak_m();
+        self.edit(&Edit::Plate(Arc::clone(&plate)));
+        self.screen.keep_edges(edges_m.clone());
+        self.held = Some(HeldLines { plate, edges_m, full_peak_m });
+    }
+
+    /// Moves the tones to where the lines keep their places, now that the calibrated plate's table is finished. It says how far a
+    /// level moves this plate, if the file said something else, and which line could not stay.
+    pub(super) fn hold_lines(&mut self) {
+        let is_in_use = |held: &HeldLines| Arc::ptr_eq(&held.plate, self.desk.plate());
+        let Some(held) = self.held.take().filter(is_in_use) else { return };
+        let mut said = Vec::new();
+        if let (Some(before_m), Some(now_m)) = (held.full_peak_m, self.drive.full_peak_m())
+            && (now_m / before_m - 1.0).abs() > SAME
+        {
+            let (now, before) = (show_length(now_m), show_length(before_m));
+            said.push(format!("At level 1 the calibrated plate moves by {now}, not by {before} as its file said."));
+        }
+        let count = held.edges_m.len();
+        for (slot, place_m) in held.edges_m {
+            let table = self.drive.drive_table();
+            if let Some(Edit::Move { position_m, .. }) = self.desk.line_move(slot, place_m, table) {
+                self.show_line(slot, position_m);
+            }
+            let Some(now_m) = self.line(slot).map(|line| line.place_m) else { continue };
+            if (now_m - place_m).abs() > MOVED_M {
+                let (before, now) = (show_place(place_m), show_place(now_m));
+                let whose = if count > 1 { format!(" of tone {}", slot + 1) } else { String::new() };
+                said.push(format!("The line{whose} cannot stay at {before}: it is at {now}."));
+            }
+        }
+        if !said.is_empty() {
+            self.out.post(said.join(" "));
         }
     }
 }

@@ -22,6 +22,8 @@ mod actions;
 mod desk;
 mod drive;
 mod edits;
+mod exports;
+mod held_lines;
 mod lab;
 mod outbox;
 mod screen;
@@ -30,20 +32,21 @@ mod shown;
 mod work;
 
 pub use desk::{Desk, DragRecorder};
-pub use drive::{DeviceIntent, Drive, SAFE_MODE};
+pub use drive::{DeviceIntent, Drive, SAFE_MODE, fault_sentence};
 pub use lab::{CalibrateIntent, MeasureDraft, MeasureIntent};
 pub use outbox::{Notice, Outbox};
 pub use screen::Screen;
 pub use shell::{Attention, Link, Output, Page};
 pub use shown::{
     Asked, AskedContent, AskedTable, Awaited, Background, CalibrateScene, DesignState, HoldScene, LiveScene,
-    MeasureScene, Shown, TextureScene, Waiting,
+    MeasureScene, Progress, Shown, TextureScene, Waiting,
 };
 pub use work::Jobs;
 
 use crate::bench::Bench;
 use crate::changes::Changes;
 use drive::News;
+use held_lines::HeldLines;
 use lab::{Lab, Reach};
 use screen::Sight;
 use slipline_model::field::line::Line;
@@ -61,6 +64,8 @@ pub struct Instrument {
     /// Messages and actions for the shell.
     pub out: Outbox,
     attention: Attention,
+    /// Lines that keep their places on a calibrated plate, until its table is finished.
+    held: Option<HeldLines>,
 }
 
 impl Instrument {
@@ -69,11 +74,12 @@ impl Instrument {
     pub fn new(link: Box<dyn Link>, mut jobs: Jobs, bench: Bench, setup: Setup) -> Self {
         Self {
             drive: Drive::new(link, &setup.plate, &mut jobs),
-            lab: Lab::new(bench, &mut jobs),
+            lab: Lab::new(&setup.plate, bench, &mut jobs),
             screen: Screen::new(&setup.plate, &mut jobs),
             desk: Desk::new(setup),
             attention: Attention::default(),
             out: Outbox::default(),
+            held: None,
         }
     }
 
@@ -95,6 +101,7 @@ impl Instrument {
         }
         if self.drive.take_table() {
             self.screen.keep_edges(Vec::new());
+            self.hold_lines();
             self.follow_device(&Changes::default());
         }
         let (lab, mut reach) = self.reach();
@@ -154,7 +161,7 @@ impl Instrument {
 
     /// The screen, what it looks at, and where its messages go.
     fn sight_of_screen(&mut self) -> (&mut Screen, Sight<'_>, &mut Outbox) {
-        let Self { desk, drive, lab, screen, attention, out } = self;
+        let Self { desk, drive, lab, screen, attention, out, .. } = self;
         (screen, Sight { desk, drive, lab, attention }, out)
     }
 }

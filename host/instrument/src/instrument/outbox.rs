@@ -30,11 +30,11 @@ const ERROR_S: f64 = 30.0;
 /// The subject of a message. There is at most one message for each subject at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum About {
+    /// Why the device stopped by itself, until that fault is cleared. It comes first: no other message hides it.
+    Stop,
     /// A refusal of the device.
     Refusal,
-    /// Why the device stopped by itself, until that fault is cleared.
-    Stop,
-    /// That the window did not respond while it drove, or that the drive was paused, until something is driven again.
+    /// That the window did not respond while it drove, for a time, or that the drive was paused; until something is driven again.
     Hang,
     /// Why there is no connection, until there is one.
     Trouble,
@@ -117,10 +117,16 @@ impl Outbox {
         self.put(About::Stop, text, true, None);
     }
 
+    /// Reports a fault, which the link has in the log; it stays until it is cleared.
+    pub(crate) fn fault(&mut self, text: String) {
+        self.put(About::Stop, text, true, None);
+    }
+
     /// Reports that the window did not respond, and the drive was ended.
     pub(crate) fn hung(&mut self, text: String) {
         self.unlogged.push((Severity::Warning, line(&text)));
-        self.put(About::Hang, text, true, None);
+        // It responds again, so this is an event: the message does not stay for good.
+        self.put(About::Hang, text, true, Some(ERROR_S));
     }
 
     /// Reports that the drive was paused, until something is driven again.

@@ -29,6 +29,8 @@ impl Link for slipline_link::native::Handle {
 pub struct Attention {
     /// The user's time, in seconds.
     pub now_s: f64,
+    /// How long before that the press was made that is handled now, in seconds: it has waited for the shell.
+    pub press_age_s: f64,
     /// Whether a pointer is down: levels and places may still change.
     pub is_pressed: bool,
     /// Whether a line or the finger is dragged.

@@ -72,7 +72,7 @@ pub struct Shown<'a> {
     /// The codes that the mirror has replayed.
     pub waveform: &'a Waveform,
     /// The response of the simulated plate once it has settled.
-    pub measured: Option<Rings>,
+    pub measured: Option<Rings<'a>>,
     /// The places at which a real plate was measured.
     pub measured_places: &'a [MeasuredPlace],
     /// The lights, the designer and the source of the wave.
@@ -134,6 +134,12 @@ impl Shown<'_> {
     pub fn is_table_dirty(&self) -> bool {
         let on_device = self.snapshot.table.report.active.map(|header| header.crc);
         self.snapshot.is_connected() && self.table_crc().is_some_and(|crc| on_device != Some(crc))
+    }
+
+    /// Whether the plate is being measured: the setup does not sound, and its lines stay where they are.
+    #[must_use]
+    pub const fn is_measured_now(&self) -> bool {
+        self.measure.live.progress.is_some()
     }
 
     /// The largest possible sum of all tones, as a share of the DAC's full scale.
@@ -234,8 +240,8 @@ pub enum AskedContent {
 pub struct LiveScene<'a> {
     /// The settings of the measurement.
     pub draft: &'a MeasureDraft,
-    /// The share that is done, 0..=1, while a measurement is under way.
-    pub progress: Option<f32>,
+    /// How far a measurement is, while one is under way.
+    pub progress: Option<Progress>,
     /// Whether the check of the drive is under way.
     pub is_checking: bool,
     /// Whether the rig of the simulated device states its drive circuit.
@@ -248,6 +254,22 @@ pub struct LiveScene<'a> {
     pub is_secret: bool,
     /// Whether the unknown plate was measured.
     pub is_secret_measured: bool,
+}
+
+/// How far a measurement is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// The share that is done, 0..=1.
+    pub share: f32,
+    /// The time that it still takes, in seconds; `None` while the simulated plate is prepared for it.
+    pub left_s: Option<f64>,
+}
+
+impl fmt::Display for Progress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.0} %", 100.0 * self.share)?;
+        self.left_s.map_or(Ok(()), |left_s| write!(f, ", {:.0} s left", left_s.ceil()))
+    }
 }
 
 impl<'a> MeasureScene<'a> {

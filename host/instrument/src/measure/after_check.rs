@@ -3,6 +3,7 @@
 use super::dialogue::Dialogue;
 use super::drive_checking::DriveChecking;
 use super::error::MeasureError;
+use super::measuring::Measuring;
 use super::procedure::Procedure;
 
 /// Share of the check in the progress.
@@ -18,6 +19,14 @@ impl<P: Procedure> AfterCheck<P> {
     /// Runs the procedure after this check; at once without a check, where the drive circuit is not known.
     pub const fn new(checking: Option<DriveChecking>, procedure: P) -> Self {
         Self { checking, procedure }
+    }
+}
+
+impl AfterCheck<Measuring> {
+    /// Samples that it needs by its plan; the check's are estimated by its share.
+    pub(crate) fn planned_samples(&self) -> f64 {
+        let measured = self.procedure.planned_samples() as f64;
+        if self.checking.is_some() { measured / (1.0 - SHARE) } else { measured }
     }
 }
 

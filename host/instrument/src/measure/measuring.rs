@@ -52,6 +52,11 @@ impl Measuring {
         Ok(Self { plan, table, sensor, lag_s, scale: 1.0, quiet: None, windows: Vec::new() })
     }
 
+    /// Samples that it needs by its plan.
+    pub(super) fn planned_samples(&self) -> u64 {
+        self.plan.samples()
+    }
+
     /// Measures one comb; with the first comb it measures the noise before, at the silent level.
     async fn window(&mut self, dialogue: &Dialogue, comb: &Comb) -> Result<Window, MeasureError> {
         let combs = self.plan.combs.iter().take(self.windows.len());

@@ -23,6 +23,7 @@ mod loudness;
 mod measuring;
 mod plan;
 mod procedure;
+mod remaining;
 mod setback;
 mod signal;
 mod sweep;
@@ -37,6 +38,7 @@ pub use error::MeasureError;
 pub use measuring::Measuring;
 pub use plan::{Comb, LEVEL, POINTS, Plan, SETTLED, Wanted};
 pub use procedure::{NextStep, Procedure, Run};
+pub(crate) use remaining::remaining_samples;
 pub(crate) use setback::is_late;
 pub use signal::Signal;
 pub use sweep::{

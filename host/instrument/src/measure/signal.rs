@@ -80,7 +80,7 @@ impl Signal {
         if self.is_clipped() {
             return format!("{level}: the input is clipped, lower its gain.");
         }
-        format!("{level}. Tap on the plate: it must rise.")
+        format!("{level}. Tap the plate: the level should jump.")
     }
 }
 

@@ -6,6 +6,7 @@ use slipline_instrument::calibration::{CalibrationWizard, WizardPage};
 use slipline_instrument::{CalibrateIntent, MeasureIntent};
 use slipline_link::{Request, Sounding};
 use slipline_model::field::steady_field::{POINTS, SteadyField};
+use slipline_model::setup::edit::Edit;
 use slipline_plate::calibrate::{Comparison, SensorKind};
 use slipline_plate::quantity::show_place;
 
@@ -58,7 +59,7 @@ fn a_plate_is_measured_with_the_device_and_is_silent_afterwards() {
     let mut session = begun();
     session.take_requests();
     session.pass(1500);
-    let share = session.instrument.shown().measure.live.progress.unwrap();
+    let share = session.instrument.shown().measure.live.progress.unwrap().share;
     assert!(share > 0.0 && share < 1.0, "{share}");
     // Drive has to wait, and says so.
     session.instrument.start();
@@ -74,6 +75,85 @@ fn a_plate_is_measured_with_the_device_and_is_silent_afterwards() {
     let measurement = session.instrument.shown().measure.shelf.chosen().unwrap().measurement.clone();
     assert_eq!((measurement.points.len(), measurement.sensor), (60, SensorKind::Acceleration));
     assert!(compared(&session).is_other_plate());
+}
+
+#[test]
+fn while_the_plate_is_measured_the_setup_is_at_rest_and_its_lines_stay() {
+    let mut session = begun();
+    let line_mm = session.line_mm();
+    // Within a comb and between two, for three seconds.
+    for _ in 0..60 {
+        session.pass(50);
+        let shown = session.instrument.shown();
+        assert!(shown.is_measured_now() && shown.sounding.is_none(), "a comb is no drive of the setup");
+    }
+    session.move_to(line_mm - 20.0);
+    assert_eq!(session.line_mm(), line_mm);
+    session.instrument.perform_measure(MeasureIntent::Cancel);
+    session.pass(500);
+    session.move_to(line_mm - 20.0);
+    assert!((session.line_mm() - line_mm + 20.0).abs() < 0.1);
+}
+
+#[test]
+fn the_time_left_of_a_measurement_is_the_time_that_it_takes() {
+    let mut session = begun();
+    let mut said = Vec::new();
+    while let Some(progress) = session.instrument.shown().measure.live.progress {
+        said.push((session.attention.now_s, progress));
+        session.pass(250);
+    }
+    let words = said[0].1.to_string();
+    assert!(words.contains(" %, ") && words.ends_with(" s left"), "{words}");
+    let end_s = session.attention.now_s;
+    for (now_s, progress) in said.into_iter().filter(|(_, progress)| progress.share > 0.3) {
+        let (left_s, takes_s) = (progress.left_s.unwrap(), end_s - now_s);
+        assert!((left_s - takes_s).abs() < 1.0 + 0.3 * takes_s, "{progress}: it takes {takes_s} s");
+    }
+}
+
+#[test]
+fn measurements_belong_to_their_plate() {
+    let mut session = begun();
+    session.instrument.perform_measure(MeasureIntent::Cancel);
+    session.pass(500);
+    session.measure(None);
+    let run_1 = ["30.0 mm, run 1"];
+    assert_eq!(names(&session), run_1, "a cancelled run has no number");
+    session.change_plate(slipline_plate::preset("al-bending").unwrap());
+    session.pass(500);
+    let shown = session.instrument.shown().measure;
+    assert!(shown.shelf.entries().is_empty() && shown.compared.is_none(), "a fresh plate has none");
+    session.instrument.undo();
+    session.pass(500);
+    assert_eq!(names(&session), run_1);
+    session.change_plate(membrane(1.01));
+    session.pass(500);
+    assert_eq!(names(&session), run_1, "the same plate with another number");
+}
+
+#[test]
+fn lines_keep_their_places_when_the_calibrated_plate_is_used() {
+    let mut session = Session::felt_at_bench();
+    let tone = &session.instrument.desk.setup().tones[0];
+    let quiet = Edit::Level { slot: tone.slot, level: 0.05 };
+    session.edit(&quiet);
+    session.pass(500);
+    session.instrument.perform_measure(MeasureIntent::Secret(true));
+    let (before_mm, full_m) = (session.line_mm(), session.instrument.shown().full_peak_m.unwrap());
+    session.calibrate_by_measuring();
+    let now_m = session.instrument.shown().full_peak_m.unwrap();
+    assert!(now_m < 0.8 * full_m, "the unknown plate is lossier: {full_m} {now_m}");
+    assert!((session.line_mm() - before_mm).abs() < 0.1, "{before_mm} {}", session.line_mm());
+    let notices: Vec<&str> = session.instrument.out.notices().map(|it| it.text.as_str()).collect();
+    let said = notices.iter().find(|text| text.contains("At level 1 the calibrated plate moves by"));
+    assert!(said.is_some(), "{notices:?}");
+    // One step of undo takes the plate and the tone's place back.
+    let calibrated_m = session.instrument.desk.setup().tones[0].position_m;
+    session.instrument.undo();
+    session.pass(500);
+    assert_ne!(session.instrument.desk.setup().tones[0].position_m, calibrated_m);
+    assert!((session.line_mm() - before_mm).abs() < 0.1);
 }
 
 #[test]

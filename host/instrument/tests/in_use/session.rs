@@ -93,6 +93,38 @@ impl Session {
         (Self::driving_on(setup(), Some(bench.inputs()), bench.clone()), bench)
     }
 
+    /// As [`Self::at_bench`], with lines that hold felt edges.
+    pub(crate) fn felt_at_bench() -> Self {
+        let bench = Bench::default();
+        let setup = Setup { boundary: BoundaryMode::FeltEdge, ..setup() };
+        Self::driving_on(setup, Some(bench.inputs()), bench)
+    }
+
+    /// This setup, driven by a device whose inputs are wired to the simulated plate, which runs in time; no codes and no sheet
+    /// are computed for a picture.
+    pub(crate) fn simulated(setup: Setup) -> Self {
+        let bench = Bench::default();
+        let jobs = Jobs {
+            sheets: JobQueue::inline(|_, _: &_| None),
+            waveforms: JobQueue::inline(|_, _: &_| None),
+            ..Jobs::inline()
+        };
+        let inputs = Some(bench.inputs());
+        let mut session = Self::on(setup, inputs, bench, |worker| Box::new(SteppedLink(worker)), jobs);
+        session.until("it drives", Self::is_driving);
+        session.pass(400);
+        session
+    }
+
+    /// Presses Drive, and waits until the simulated plate has followed.
+    pub(crate) fn drive_on(&mut self) {
+        self.instrument.start();
+        self.until("it drives", Self::is_driving);
+        self.until("the simulated plate follows", |session| {
+            session.instrument.shown().measured.is_some_and(|rings| rings.is_current)
+        });
+    }
+
     fn driving_on(setup: Setup, inputs: Option<Box<dyn SimulatedInputs>>, bench: Bench) -> Self {
         let mut session = Self::on(setup, inputs, bench, |worker| Box::new(SteppedLink(worker)), unseen());
         session.until("it drives", Self::is_driving);

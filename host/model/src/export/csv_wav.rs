@@ -17,7 +17,7 @@ const CSV_CODES: usize = 1 << 16;
 pub fn envelope_csv(
     setup: &Setup,
     steady: &SteadyField,
-    measured: Option<&Rings>,
+    measured: Option<&Rings<'_>>,
     full_peak_m: f64,
 ) -> String {
     let mut rows: Vec<(f64, String)> = Vec::new();
@@ -42,7 +42,12 @@ pub fn envelope_csv(
 }
 
 /// The header of an envelope: plate and tones, line by line.
-fn envelope_head(setup: &Setup, steady: &SteadyField, measured: Option<&Rings>, full_peak_m: f64) -> String {
+fn envelope_head(
+    setup: &Setup,
+    steady: &SteadyField,
+    measured: Option<&Rings<'_>>,
+    full_peak_m: f64,
+) -> String {
     let simulated = match measured {
         Some(measured) => format!(
             "the {} while it was watched, at its own {} places; maximum and root mean square{}",

@@ -97,7 +97,7 @@ pub fn by_person_words(EdgesByPerson { near, far }: EdgesByPerson) -> Option<Str
         (FeltEdge::At(near_m), FeltEdge::At(_)) => format!("{:.0}", 1e3 * near_m),
         _ => place(near),
     };
-    (near != far).then(|| format!("{from} to {} by person", place(far)))
+    (near != far).then(|| format!("{from} to {} depending on the person", place(far)))
 }
 
 /// Sensation along a plate.
@@ -222,9 +222,9 @@ mod tests {
     fn the_edge_by_person_is_printed_in_millimetres() {
         use FeltEdge::{At, Nowhere, PlateEnd};
         let words = |near, far| by_person_words(EdgesByPerson { near, far });
-        assert_eq!(words(At(0.2371), At(0.2568)).as_deref(), Some("237 to 257 mm by person"));
-        assert_eq!(words(At(0.2371), PlateEnd).as_deref(), Some("237 mm to the plate's end by person"));
-        assert_eq!(words(Nowhere, At(0.2568)).as_deref(), Some("nowhere to 257 mm by person"));
+        assert_eq!(words(At(0.2371), At(0.2568)).as_deref(), Some("237 to 257 mm depending on the person"));
+        assert_eq!(words(At(0.2371), PlateEnd).as_deref(), Some("237 mm to the plate's end depending on the person"));
+        assert_eq!(words(Nowhere, At(0.2568)).as_deref(), Some("nowhere to 257 mm depending on the person"));
         assert_eq!((words(Nowhere, Nowhere), words(PlateEnd, PlateEnd)), (None, None));
     }
 

@@ -2,12 +2,13 @@
 
 use super::steady_field::SteadyField;
 use super::time_domain::SimulatedField;
+use std::borrow::Cow;
 
 /// The envelope of the simulated plate.
 #[derive(Clone, Debug)]
-pub struct Rings {
-    /// Its points.
-    pub field: SimulatedField,
+pub struct Rings<'a> {
+    /// Its points; they are copied only where they are multiplied.
+    pub field: Cow<'a, SimulatedField>,
     /// Whether it belongs to the drive that sounds: during a drag that of the previous drive stays.
     pub is_current: bool,
     /// The factor by which all values of a hidden test plate were multiplied. The sensor on such a plate has no known
@@ -15,20 +16,27 @@ pub struct Rings {
     pub fitted: Option<f64>,
 }
 
-impl Rings {
+impl<'a> Rings<'a> {
     /// The rings of a plate, or of a hidden test plate whose level is fitted to this prediction.
     #[must_use]
-    pub fn new(field: &SimulatedField, is_current: bool, hidden_under: Option<&SteadyField>) -> Self {
-        let mut field = field.clone();
+    pub fn new(field: &'a SimulatedField, is_current: bool, hidden_under: Option<&SteadyField>) -> Self {
+        let mut field = Cow::Borrowed(field);
         let highest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
         let fitted = hidden_under.and_then(|predicted| {
             let own_m = highest(&mut field.points().map(|(_, metres)| metres));
             (own_m > 0.0).then(|| highest(&mut predicted.drawn_m().into_iter()) / own_m)
         });
         if let Some(factor) = fitted {
+            let field = field.to_mut();
             field.maximum_m.iter_mut().chain(&mut field.rms_m).for_each(|metres| *metres *= factor);
         }
         Self { field, is_current, fitted }
+    }
+
+    /// The same with points of their own, for a figure that is drawn elsewhere.
+    #[must_use]
+    pub fn to_owned_rings(&self) -> Rings<'static> {
+        Rings { field: Cow::Owned(self.field.as_ref().clone()), is_current: self.is_current, fitted: self.fitted }
     }
 
     /// What they are of, for a legend.

@@ -97,7 +97,43 @@ impl Default for Draft {
     }
 }
 
+/// Young's modulus below which a sheet is a membrane, in Pa: rubber bends under its own weight.
+const SOFT_PA: f64 = 1e8;
+
 impl Draft {
+    /// The draft of another material. Where that is stiff and this is soft, or the other way round, thickness, wave, band and
+    /// length follow: a rubber sheet is stretched and felt as vibration, a plate of metal bends and is slippery.
+    #[must_use]
+    pub fn of_material(self, name: slipline_plate::StaticText) -> Self {
+        let is_soft =
+            |name: &str| Material::named(name).is_ok_and(|material| material.youngs_modulus_pa < SOFT_PA);
+        let draft = Self { material: name, loss_factor: None, ..self };
+        match (is_soft(draft.material), draft.kind == Kind::Membrane) {
+            (true, false) => Self {
+                thickness_m: 0.5e-3,
+                kind: Kind::Membrane,
+                stretch: Stretch::WaveSpeed(12.0),
+                band_hz: (80.0, 220.0),
+                length_m: 0.4,
+                start_margin_m: None,
+                end_margin_m: None,
+                full_scale_m: None,
+                ..draft
+            },
+            (false, true) => {
+                let stiff = Self::default();
+                Self {
+                    name: draft.name,
+                    material: draft.material,
+                    thin: draft.thin,
+                    rim_m: draft.rim_m,
+                    ..stiff
+                }
+            }
+            (true, true) | (false, false) => draft,
+        }
+    }
+
     /// The draft as a request to the plate library.
     ///
     /// # Errors
@@ -189,6 +225,23 @@ mod tests {
             assert!(designed(Draft::default(), &mut Progress::new(&mut go_on)).is_none(), "{limit}");
         }
         assert!(work(Draft::default(), &task).is_none());
+    }
+
+    #[test]
+    fn wave_and_band_follow_the_material_and_every_material_has_a_plate() {
+        for name in slipline_plate::design::material_names() {
+            let draft = Draft::default().of_material(name);
+            let is_rubber = matches!(name, "latex" | "silicone-rubber");
+            assert_eq!(draft.kind == Kind::Membrane, is_rubber, "{name}");
+            assert_eq!(draft.band_hz.1 < 1e3, is_rubber, "{name}");
+            let back = draft.clone().of_material("aluminium");
+            assert_eq!(back, Draft::default(), "{name}");
+            let designed = work(draft, &Task::default()).unwrap().result;
+            assert!(designed.is_ok(), "{name}: {designed:?}");
+        }
+        // What the user has chosen stays while it suits.
+        let clamped = Draft { kind: Kind::Clamped, length_m: 0.25, ..Draft::default() };
+        assert_eq!(clamped.clone().of_material("steel"), Draft { material: "steel", ..clamped });
     }
 
     #[test]

@@ -113,7 +113,22 @@ pub fn read(text: &str) -> Result<Opened, SetupFileError> {
 fn syntax(text: &str, fault: &toml::de::Error) -> SetupFileError {
     let start = fault.span().map_or(0, |span| span.start.min(text.len()));
     let line = text.as_bytes()[..start].iter().filter(|&&byte| byte == b'\n').count() + 1;
-    SetupFileError::Syntax { line, message: fault.message().trim().to_owned() }
+    // A field of a plate has words for what it must be.
+    let message = match Plate::from_toml(&plate_lines(text)) {
+        Err(PlateFileError::Syntax { line: of_plate, message }) if of_plate == line => message,
+        _ => fault.message().trim().to_owned(),
+    };
+    SetupFileError::Syntax { line, message }
+}
+
+/// The text with the sections of a setup's plate as those of a plate file, on the same lines.
+fn plate_lines(text: &str) -> String {
+    let line = |line: &str| match line.trim_start().strip_prefix("[plate") {
+        Some(rest) if rest.starts_with(']') => String::new(),
+        Some(rest) if rest.starts_with('.') => format!("[{}", &rest[1..]),
+        _ => line.to_owned(),
+    };
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
 fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {
@@ -227,6 +242,25 @@ mod tests {
         assert!(
             matches!(read(preset.toml), Ok(Opened::Plate(plate)) if plate.name() == preset.plate().unwrap().name())
         );
+    }
+
+    #[test]
+    fn a_decimal_comma_is_refused_in_the_same_words_as_a_plate_file_and_in_a_setup() {
+        let plate = slipline_plate::presets()[0].toml;
+        let broken = plate.replacen("length_m = 0.", "length_m = 0,", 1);
+        assert_ne!(broken, plate);
+        let of_plate = Plate::from_toml(&broken).unwrap_err().to_string();
+        for part in ["length_m = 0,", "with a decimal point", " to ", "m"] {
+            assert!(of_plate.contains(part), "{part}: {of_plate}");
+        }
+        assert_eq!(read(&broken).unwrap_err().to_string(), of_plate);
+        let words = |text: &str| text.split_once(": ").map(|(_, words)| words.to_owned());
+        let setup = write(&sample()).replacen("length_m = 0.", "length_m = 0,", 1);
+        let of_setup = read(&setup).unwrap_err().to_string();
+        assert!(words(&of_setup).is_some_and(|words| words.starts_with("length_m = 0,")), "{of_setup}");
+        // A field of the setup itself keeps the parser's words.
+        let tone = write(&sample()).replacen("level = 0.", "level = 0,", 1);
+        assert!(!read(&tone).unwrap_err().to_string().contains("decimal point"));
     }
 
     #[test]

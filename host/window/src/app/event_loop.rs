@@ -12,6 +12,7 @@
 use super::eframe_log;
 use super::no_display;
 use super::pace::Pace;
+use super::press_ages::PressAges;
 use eframe::egui::ViewportId;
 use eframe::{AppCreator, CreationContext, EframeWinitApplication, UserEvent};
 use slipline_link::native::Handle;
@@ -19,9 +20,10 @@ use std::cell::OnceCell;
 use std::rc::Rc;
 use std::time::Instant;
 use winit::application::ApplicationHandler;
-use winit::event::{DeviceEvent, DeviceId, StartCause, WindowEvent};
+use winit::event::{DeviceEvent, DeviceId, ElementState, KeyEvent, MouseButton, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::platform::run_on_demand::EventLoopExtRunOnDemand as _;
+use winit::keyboard::{Key, NamedKey};
 use winit::window::WindowId;
 
 /// Opens a window and runs its event loop until it is closed. `open` makes the app, and names its link; `drawn` is called
@@ -32,7 +34,7 @@ use winit::window::WindowId;
 pub fn run<'app>(
     name: &str,
     mut options: eframe::NativeOptions,
-    open: impl FnOnce(&CreationContext<'_>) -> anyhow::Result<(Box<dyn eframe::App>, Handle)> + 'app,
+    open: impl FnOnce(&CreationContext<'_>) -> anyhow::Result<(Box<dyn eframe::App>, Handle, PressAges)> + 'app,
     drawn: impl FnMut() + 'app,
 ) -> Result<(), eframe::Error> {
     // Waiting for the next refresh of the display would delay each drag's command to the device by up to 17 ms.
@@ -47,19 +49,20 @@ pub fn run<'app>(
     let link = Rc::new(OnceCell::new());
     let opened = Rc::clone(&link);
     let creator: AppCreator<'app> = Box::new(move |context| {
-        let (app, handle) = open(context)?;
+        let (app, handle, press_ages) = open(context)?;
         handle.ask_for_signs(move || {
             // The loop is gone when the window was closed.
             let _ = questions.send_event(question());
         });
-        let _ = opened.set(handle);
+        let _ = opened.set((handle, press_ages));
         Ok(app)
     });
     keep_memory();
     eframe_log::listen();
     let app = eframe::create_native(name, options, creator, &event_loop);
     // Dropped before the loop, which owns the connection to the display.
-    let mut answering = Answering { app, link, pace: Pace::default(), drawn: Box::new(drawn) };
+    let mut answering =
+        Answering { app, link, presses: Vec::new(), pace: Pace::default(), drawn: Box::new(drawn) };
     event_loop.run_app_on_demand(&mut answering)?;
     let ended_by = eframe_log::take_error();
     let never_opened = answering.link.get().is_none().then(|| "the window system gave no window".to_owned());
@@ -96,11 +99,26 @@ fn answer(event: &UserEvent, sign: impl FnOnce()) -> bool {
     is_question
 }
 
+/// Whether it may press STOP: its keys, and the pointer, which presses a button when it is released.
+#[expect(clippy::wildcard_enum_match_arm, reason = "no other event of the system presses STOP")]
+fn is_stop_press(event: &WindowEvent) -> bool {
+    match event {
+        WindowEvent::KeyboardInput { event: KeyEvent { state, repeat, logical_key, .. }, .. } => {
+            let is_key = matches!(logical_key, Key::Named(NamedKey::Escape | NamedKey::Space));
+            is_key && *state == ElementState::Pressed && !repeat
+        }
+        WindowEvent::MouseInput { state: ElementState::Released, button: MouseButton::Left, .. } => true,
+        _ => false,
+    }
+}
+
 /// Answers the link's questions, and hands everything else to eframe: a request for a picture when it is due.
 struct Answering<'app> {
     app: EframeWinitApplication<'app>,
-    /// The link, once the window is open.
-    link: Rc<OnceCell<Handle>>,
+    /// The link and the app's presses, once the window is open.
+    link: Rc<OnceCell<(Handle, PressAges)>>,
+    /// When the presses since the latest picture came.
+    presses: Vec<Instant>,
     pace: Pace<WindowId>,
     drawn: Box<dyn FnMut() + 'app>,
 }
@@ -108,6 +126,10 @@ struct Answering<'app> {
 impl Answering<'_> {
     fn draw(&mut self, event_loop: &ActiveEventLoop, window: WindowId) {
         let began = Instant::now();
+        if let Some((_, press_ages)) = self.link.get() {
+            let age_s = |pressed: Instant| began.saturating_duration_since(pressed).as_secs_f64();
+            press_ages.begin_frame(self.presses.drain(..).map(age_s).collect());
+        }
         self.app.window_event(event_loop, window, WindowEvent::RedrawRequested);
         self.pace.drawn(began, Instant::now());
         (self.drawn)();
@@ -117,7 +139,7 @@ impl Answering<'_> {
 impl ApplicationHandler<UserEvent> for Answering<'_> {
     fn user_event(&mut self, event_loop: &ActiveEventLoop, event: UserEvent) {
         let sign = || {
-            if let Some(link) = self.link.get() {
+            if let Some((link, _)) = self.link.get() {
                 link.sign_of_life();
             }
         };
@@ -132,6 +154,9 @@ impl ApplicationHandler<UserEvent> for Answering<'_> {
 
     #[expect(clippy::wildcard_enum_match_arm, reason = "eframe handles the system's other events")]
     fn window_event(&mut self, event_loop: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
+        if is_stop_press(&event) {
+            self.presses.push(Instant::now());
+        }
         match event {
             WindowEvent::RedrawRequested => {
                 if self.pace.may_draw(window, Instant::now()) {

@@ -10,6 +10,9 @@ use slipline_link::protocol::event::State;
 
 /// The smallest window after zooming, in points: in a smaller one the panels would overlap.
 const LEAST_ROOM: egui::Vec2 = egui::vec2(800.0, 520.0);
+/// The lowest window that is not shown smaller, and the smallest zoom of one that is.
+const LEAST_HEIGHT: f32 = 400.0;
+const LEAST_ZOOM: f32 = 0.5;
 
 impl App {
     /// Whether the input is not that of the last call. While the window is hidden egui takes no input, so that of the last
@@ -20,7 +23,7 @@ impl App {
     }
 
     pub(super) fn keys(&mut self, ctx: &egui::Context) {
-        end_zoom(ctx);
+        end_zoom(ctx, &mut self.view.is_shrunk);
         // At Escape egui takes the focus before anything of a frame is seen; what was typed before is in the same frame, if
         // that took long.
         let is_left = self.view.was_typing && ctx.input(|input| input.key_pressed(Key::Escape));
@@ -37,7 +40,7 @@ impl App {
             None => None,
         };
         let closed = closed.filter(|_| ctx.input(|input| input.key_pressed(Key::Escape)));
-        let notice = closed.map(|closed| by_escape(closed, self.instrument.drive.snapshot()));
+        let notice = closed.and_then(|closed| by_escape(closed, self.instrument.drive.snapshot()));
         if closed.is_some() && self.dialog.is_none() {
             self.view.brush = Brush::default();
         }
@@ -186,27 +189,36 @@ fn stop_presses(input: &egui::InputState, mut is_typing: bool) -> usize {
     input.events.iter().filter(is_press).count()
 }
 
-/// What Escape does in this state beside what it has closed, for the user who only wanted that.
-fn by_escape(closed: &str, snapshot: &Snapshot) -> String {
+/// What Escape does in this state beside what it has closed, for the user who only wanted that; nothing where nothing was driven.
+fn by_escape(closed: &str, snapshot: &Snapshot) -> Option<String> {
     let state = snapshot.drive.status.map(|status| status.state).filter(|_| snapshot.is_connected());
     let more = match (state, snapshot.is_simulated()) {
         (None, _) => ". No device answers; the stop was sent nevertheless.",
         (Some(State::Driving | State::Waiting), true) => " and stopped the drive. Press Drive to resume.",
         (Some(State::Driving | State::Waiting), false) => ", stopped the drive and disarmed the device.",
         (Some(State::Armed | State::Stopping), false) => " and disarmed the device.",
-        (Some(State::Idle | State::Armed | State::Stopping | State::Fault | State::SafeMode), _) => {
-            ". Nothing was driven."
-        }
+        (Some(State::Idle | State::Armed | State::Stopping | State::Fault | State::SafeMode), _) => return None,
     };
-    format!("Esc {closed}{more}")
+    Some(format!("Esc {closed}{more}"))
 }
 
-/// Reduces a zoom that leaves less than [`LEAST_ROOM`]. A window that is smaller itself is not magnified at all.
-fn end_zoom(ctx: &egui::Context) {
+/// Reduces a zoom that leaves less than [`LEAST_ROOM`]. A window that is smaller itself is not magnified at all, and one that is
+/// lower than [`LEAST_HEIGHT`], such as a page that its browser magnifies to 300 %, is shown smaller, so that it keeps a plate;
+/// `is_shrunk` says whether it is.
+fn end_zoom(ctx: &egui::Context, is_shrunk: &mut bool) {
     let zoom = ctx.zoom_factor();
-    let steps = 10.0 * zoom * (ctx.content_rect().size() / LEAST_ROOM).min_elem();
-    let most = (steps.floor() / 10.0).max(1.0);
+    let size = zoom * ctx.content_rect().size();
+    let tenths = |share: f32| (10.0 * share).floor() / 10.0;
+    let is_low = size.y < LEAST_HEIGHT && size.x > size.y;
+    let most = if is_low {
+        tenths(size.y / LEAST_HEIGHT).max(LEAST_ZOOM)
+    } else {
+        tenths((size / LEAST_ROOM).min_elem()).max(1.0)
+    };
     if zoom > most {
         ctx.set_zoom_factor(most);
+    } else if *is_shrunk && zoom < most {
+        ctx.set_zoom_factor(most.min(1.0));
     }
+    *is_shrunk = is_low;
 }

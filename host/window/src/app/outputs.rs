@@ -2,6 +2,7 @@
 
 use super::App;
 use crate::files::{FileJob, Save};
+use crate::settings::Part;
 use crate::intent::{Confirm, Dialog};
 use crate::sound::SoundChoice;
 use crate::view::Tab;
@@ -21,6 +22,7 @@ impl App {
         let (now_s, is_pressed) = ctx.input(|input| (input.time, input.pointer.any_down()));
         self.instrument.attend(Attention {
             now_s,
+            press_age_s: self.press_age_s,
             is_pressed,
             is_dragging: self.grab.is_some() || self.is_demonstrating(),
             is_animated: self.settings.animate,
@@ -48,7 +50,10 @@ impl App {
             match output {
                 Output::Open(Page::Calibration) => self.dialog = Some(Dialog::Calibrate),
                 Output::Open(Page::Measurements) => self.view.open_measure(),
-                Output::Open(Page::Texture) => self.view.tab = Tab::Texture,
+                Output::Open(Page::Texture) => {
+                    self.view.tab = Tab::Texture;
+                    (self.settings.show_panel, self.settings.in_front) = (true, Part::Panel);
+                }
                 Output::Open(Page::Arm) => self.dialog = Some(Dialog::Confirm(Confirm::Arm)),
                 Output::CloseCalibration => self.dialog = None,
                 Output::ChooseMeasurement => self.services.files.begin(FileJob::ChooseMeasurement),

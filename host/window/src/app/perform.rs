@@ -11,7 +11,7 @@ use slipline_instrument::profile_file;
 use slipline_link::Severity;
 use slipline_model::content::Content;
 use slipline_model::export::csv_wav;
-use slipline_model::export::figures::plate::{FigureJob, Subject};
+use slipline_model::export::figures::plate::FigureJob;
 use slipline_model::export::report;
 use slipline_model::jobs::design::cut_files;
 use slipline_model::setup::edit::Edit;
@@ -30,6 +30,8 @@ const UNKNOWN_CODES: &str = "The device's output is unknown, because it held lev
 impl App {
     pub(super) fn perform(&mut self, ctx: &egui::Context, intents: Intents) {
         for intent in intents {
+            let is_stop = matches!(intent, Intent::Stop | Intent::StopKey);
+            self.press_age_s = if is_stop { self.press_ages.take() } else { 0.0 };
             self.attend(ctx);
             if matches!(intent, Intent::Touch(_) | Intent::MoveFinger(_)) {
                 self.hearing.has_touched = true;
@@ -251,19 +253,9 @@ impl App {
         }
         match what {
             Export::Figure(format) => {
-                let Some(full_peak_m) = self.instrument.drive.full_peak_m() else {
+                let is_largest = self.settings.show_amplitude;
+                let Some(subject) = self.instrument.shown().figure(self.magnification, is_largest) else {
                     return self.fail_unknown();
-                };
-                let subject = Subject {
-                    setup: self.instrument.desk.setup().clone(),
-                    predicted: self.instrument.shown().predicted.clone(),
-                    sounding: self.instrument.screen.sounding().cloned(),
-                    sheet: self.instrument.screen.sheet().cloned(),
-                    measured: self.instrument.shown().measured.filter(|rings| rings.is_current),
-                    full_peak_m,
-                    magnification: self.magnification,
-                    is_largest: self.settings.show_amplitude,
-                    wave_time_s: self.instrument.shown().wave_time_s,
                 };
                 self.services.figures.ask(FigureJob { subject, format });
             }
@@ -277,16 +269,7 @@ impl App {
                 ctx.send_viewport_cmd(egui::ViewportCommand::Screenshot(taken));
             }
             Export::Envelope => {
-                let Some(full_peak_m) = self.instrument.drive.full_peak_m() else {
-                    return self.fail_unknown();
-                };
-                let measured = self.instrument.shown().measured.filter(|rings| rings.is_current);
-                let text = csv_wav::envelope_csv(
-                    self.instrument.desk.setup(),
-                    self.instrument.shown().predicted,
-                    measured.as_ref(),
-                    full_peak_m,
-                );
+                let Some(text) = self.instrument.shown().envelope_csv() else { return self.fail_unknown() };
                 self.save("envelope.csv", "Table", "csv", text.into_bytes());
             }
             Export::Waveform | Export::Sound if self.instrument.screen.is_waveform_unknown() => {

@@ -88,7 +88,8 @@ pub fn run(
         eframe::NativeOptions { viewport: viewport().with_fullscreen(opening.kiosk), ..Default::default() };
     let open = |context: &eframe::CreationContext<'_>| {
         let (window, link) = open(context, opening, opened)?;
-        Ok((Box::new(window) as Box<dyn eframe::App>, link))
+        let press_ages = window.app.press_ages();
+        Ok((Box::new(window) as Box<dyn eframe::App>, link, press_ages))
     };
     event_loop::run("Slipline", options, open, || ())
         .map_err(|error| anyhow::anyhow!(no_display::explain(&error)))

@@ -59,6 +59,8 @@ pub(crate) struct ViewState {
     /// The line whose knob was pressed and is still under the pointer.
     pub(crate) pressed_knob: Option<egui::Id>,
     pub(crate) notices: Seen,
+    /// Whether the window is shown smaller, because it is low.
+    pub(crate) is_shrunk: bool,
     pub(crate) response: ResponseView,
     pub(crate) sketched: Sketched,
     pub(crate) typed_path: Option<TypedPath>,

@@ -170,7 +170,7 @@ fn escape_its_button_its_switch_and_another_page_put_the_brush_away() {
     let mut app = TestApp::driving();
     let ways: [Way; 4] = [
         ("Esc", |app| app.window.key_press(Key::Escape)),
-        ("its button", |app| app.window.get_by_label("End drawing").click()),
+        ("its button", |app| app.window.get_by_label("Done").click()),
         ("its switch", |app| app.window.get_by_role_and_label(Role::Button, "Brush").click()),
         ("another page", |app| app.window.get_by_role_and_label(Role::Button, "Tones").click()),
     ];
@@ -180,7 +180,7 @@ fn escape_its_button_its_switch_and_another_page_put_the_brush_away() {
         put_away(&mut app);
         app.wait(300);
         assert_eq!(setup(&app).tones.len(), 1, "{way}: that draws nothing");
-        assert!(!has(&app, "Drawing area") && !has(&app, "End drawing"), "{way}");
+        assert!(!has(&app, "Drawing area") && !has(&app, "Done"), "{way}");
         if way == "Esc" {
             assert!(has(&app, "Esc ended the drawing and stopped the drive. Press Drive to resume."));
             assert!(!app.is_driving());
@@ -268,7 +268,7 @@ fn a_drawing_fits_the_smallest_screen_and_its_controls_can_be_touched() {
         app.resize(size.into(), 200);
         with_brush(&mut app);
         let screen = Rect::from_min_size(Pos2::ZERO, size.into());
-        for name in ["Brush", "End drawing"] {
+        for name in ["Brush", "Done"] {
             let rect = app.window.get_by_role_and_label(Role::Button, name).rect();
             assert!(
                 screen.contains_rect(rect) && rect.width() >= 24.0 && rect.height() >= 24.0,

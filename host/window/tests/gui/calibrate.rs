@@ -164,7 +164,7 @@ fn calipers_move_the_places_and_one_that_cannot_be_is_refused_at_its_field() {
     let [place_m, _] = calibration.places_m();
     assert_ne!(place_m, of_file_m[0]);
     open_calibration(&mut app);
-    app.click("Its widths and length are measured by calipers", 200);
+    app.click("I measured width and length with calipers", 200);
     type_into(&mut app, "Length", "300 mm");
     assert_eq!(app.window.get_by_role_and_label(Role::TextInput, "Length").value().unwrap(), "300 mm");
     type_into(&mut app, "Width, narrow end", "900 mm");

@@ -77,7 +77,7 @@ fn long_names_and_a_fold_out_leave_the_calibration_as_wide_as_it_is() {
         app.wait(1500);
         open_calibration(&mut app);
         assert_eq!(frame(&mut app), usual, "{size:?}: the plate's name");
-        let calipers = app.window.get_by_label("Its widths and length are measured by calipers");
+        let calipers = app.window.get_by_label("I measured width and length with calipers");
         calipers.click();
         assert_eq!(frame(&mut app), usual, "{size:?}: the calipers");
         // A comma as the sign of decimals, and a value that is refused.

@@ -11,7 +11,7 @@ use egui_kittest::kittest::Queryable as _;
 use slipline_instrument::bench::Bench;
 use slipline_link::protocol::event::State;
 
-const SWITCH: &str = "Check first that the drive is on";
+const SWITCH: &str = "Test the drive first";
 
 fn switch_on(app: &mut TestApp) {
     open_measure(app);

@@ -74,12 +74,12 @@ fn name_the_same_place(presets: &[(&str, f64, [u32; 5])]) {
             let wanted = format!("{mm}.0 mm");
             let near = |mm: f64, wanted: u32| (mm - f64::from(wanted)).abs() < 0.06;
             assert!(near(slider_mm(&app, "Boundary"), mm), "{name} {mm}: the line");
-            let flag = painted(&app, &format!("felt edge {wanted}   "));
+            let flag = painted(&app, &format!("felt to {wanted}   "));
             assert!(flag.is_some_and(|flag| flag.contains("edge")), "{name} {mm}: the flag");
             let strip = painted(&app, "felt to ").unwrap_or_default();
             let (edge, by_person) = strip.split_once(", ").unwrap_or((&strip, ""));
             assert_eq!(edge, format!("felt to {wanted}"), "{name}: the strip");
-            assert!(by_person.ends_with(" by person"), "{name}: {strip}");
+            assert!(by_person.ends_with(" depending on the person"), "{name}: {strip}");
             let field = app.window.get_by_role_and_label(Role::TextInput, "Boundary position").value();
             assert_eq!(field.as_deref(), Some(&wanted[..]), "{name}: the field");
             app.keys(Modifiers::COMMAND, Key::Num2, 0);

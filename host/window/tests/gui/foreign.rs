@@ -3,8 +3,8 @@
 use crate::measure::{Dropped, measured, membrane, open_measure};
 use crate::test_app::TestApp;
 use crate::type_into;
-use eframe::egui::accesskit::Role;
-use egui_kittest::kittest::Queryable as _;
+use eframe::egui::{accesskit::Role, vec2};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use hound::{SampleFormat, WavSpec, WavWriter};
 use slipline_instrument::calibration::CalibrationWizard;
 use slipline_instrument::measure::{PlayedSweep, Wanted};
@@ -65,6 +65,27 @@ fn what_another_program_measured_is_asked_for_its_place_and_its_sensor() {
         assert!(!app.shows("By another program") && app.shows("Measured differs"), "{name}");
         assert!(app.has(name) && app.shows("32.0 mm ±"), "{name}");
     }
+}
+
+#[test]
+fn the_form_of_a_foreign_file_is_whole_in_a_usual_low_window() {
+    let mut app = TestApp::driving();
+    app.resize(vec2(1280.0, 720.0), 200);
+    open_measure(&mut app);
+    let panel = app.window.get_by_role_and_label(Role::Button, "Play").rect();
+    drop_file(&mut app, "foreign.csv", near(1.0).to_frd().replace(' ', ",").as_bytes());
+    assert!(app.shows("By another program"));
+    let roles = [Role::Button, Role::ComboBox, Role::TextInput, Role::CheckBox, Role::Label];
+    let mut seen = 0;
+    for node in roles.into_iter().flat_map(|role| app.window.query_all_by_role(role)) {
+        let (rect, name) = (node.rect(), node.accesskit_node().label());
+        // What is in the panel ends where its tabs do.
+        if rect.left() > 970.0 && rect.top() > panel.bottom() && rect.bottom() < 500.0 {
+            assert!(rect.right() <= panel.right() + 1.0, "{name:?}: {rect}, the panel ends at {}", panel.right());
+            seen += 1;
+        }
+    }
+    assert!(seen > 8, "{seen}");
 }
 
 #[test]

@@ -89,7 +89,7 @@ impl Hands for AtWindow {
 
     fn record(&mut self, records: bool) {
         self.tab("Play");
-        self.press(Role::Button, if records { "Record" } else { "End recording" });
+        self.press(Role::Button, if records { "Record" } else { "Stop the recording" });
     }
 
     fn replay(&mut self) {
@@ -109,7 +109,7 @@ impl Hands for AtWindow {
     fn measure_a_secret(&mut self) {
         // Time passes for the panels to open: as much as in the script.
         open_measure(&mut self.0);
-        for label in ["A secret plate, a few per cent off", "Measure now"] {
+        for label in ["Hidden test plate (its numbers differ)", "Measure now"] {
             self.0.window.get_by_label(label).click();
             self.0.window.run_steps(3);
         }

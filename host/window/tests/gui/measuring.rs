@@ -5,7 +5,7 @@ use crate::measure::open_measure;
 use crate::sensors::Half;
 use crate::test_app::TestApp;
 use crate::type_into;
-use eframe::egui::{Key, accesskit::Role};
+use eframe::egui::{Key, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_instrument::bench::Bench;
 
@@ -32,7 +32,7 @@ pub(crate) fn on_a_secret_plate() -> TestApp {
     let bench = Bench::default();
     let mut app = TestApp::sensed(bench.inputs(), bench);
     open_measure(&mut app);
-    app.click("A secret plate, a few per cent off", 200);
+    app.click("Hidden test plate (its numbers differ)", 200);
     app
 }
 
@@ -58,8 +58,33 @@ fn the_page_measures_cancels_shows_how_far_it_is_and_lists_the_run() {
     let share = progress(&app).unwrap();
     assert!(share != "Measured: 0 %" && share != "Measured: 100 %", "{share}");
     wait_for_the_end(&mut app);
-    assert!(app.has("30.0 mm, run 2"));
+    assert!(app.has("30.0 mm, run 1"));
     assert!(app.shows("60 from ") && app.shows("acceleration") && app.shows("Measured differs"));
+}
+
+#[test]
+fn a_measurement_is_seen_from_every_page_and_cancelled_there() {
+    let mut app = TestApp::sensed(Box::new(Half(1)), Bench::default());
+    open_measure(&mut app);
+    app.click_button("Measure now", 200);
+    app.wait(1500);
+    let line = crate::line_rect(&app);
+    for page in ["Boundary", "Tones", "Device"] {
+        app.click_button(page, 100);
+        let state = app.window.query_all_by_label_contains("State: measuring: ").next().unwrap();
+        let words = state.accesskit_node().label().unwrap();
+        assert!(words.contains(" %, ") && words.ends_with(" s left"), "{page}: {words}");
+        assert!(app.has_part("Measuring: ") && app.shows("being measured"), "{page}");
+        assert!(!app.has("Drive") && !app.has_part("drives the plate"), "{page}");
+    }
+    // The line stays where it is, by pointer and by keys.
+    app.window.drag_at(line.center());
+    app.release(line.center() + vec2(-60.0, 0.0), 300);
+    app.key(Key::ArrowRight, 200);
+    assert_eq!(crate::line_rect(&app), line);
+    app.click_button("Cancel measuring", 300);
+    app.wait(500);
+    assert!(app.has("Drive") && !app.has_part("Measuring: "));
 }
 
 #[test]
@@ -103,9 +128,9 @@ fn a_tap_on_the_simulated_plate_is_seen_by_its_sensor() {
         let number = text.split(": ").nth(1).and_then(|rest| rest.split(' ').next());
         number.and_then(|number| number.replace('\u{2212}', "-").parse().ok()).unwrap_or(-99.0)
     };
-    assert!(app.shows("dB of full scale. Tap on the plate"));
+    assert!(app.shows("dB of full scale. Tap the plate"));
     let quiet = level_db(&app);
-    app.click_button("Tap on the simulated plate", 200);
+    app.click_button("Tap the simulated plate", 200);
     app.wait(200);
     let tapped = level_db(&app);
     assert!(tapped > quiet + 10.0, "{quiet} {tapped}");

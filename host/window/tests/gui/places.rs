@@ -74,7 +74,7 @@ const EXCEPTIONS: [(&[&str], May, &str); 11] = [
     (&["This plate", "Validity", "Designer", "Measure"], May::Page, "another page of the plate comes"),
     (&["Next", "Back", "Cancel"], May::Step, "another page of the calibration comes"),
     (
-        &["More", "Feeling, illustrative", "Check first that the drive is on", "Its widths and length"],
+        &["More", "Feeling, illustrative", "Test the drive first", "Its widths and length"],
         May::Below,
         "what it folds out comes under it",
     ),

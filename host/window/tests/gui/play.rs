@@ -19,7 +19,7 @@ fn a_key_or_a_press_switches_between_two_setups_whose_names_are_shown() {
     open_play(&mut app);
     let has = |app: &TestApp, name: &str| app.has(name);
     assert!(
-        has(&app, "Setup A: membrane, 1 tone, turning at 180.0 mm") && has(&app, "Setup B: begins as a copy")
+        has(&app, "Setup A: membrane, 1 tone, turning at 180.0 mm") && has(&app, "Setup B: copy of A")
     );
     press(&mut app, Key::B);
     arrow_right(&mut app);
@@ -43,7 +43,7 @@ fn record_drag(app: &mut TestApp) -> Vec<f64> {
         places.push(boundary_mm(app));
     }
     app.release(line + vec2(60.0, 0.0), 100);
-    app.click("End recording", 100);
+    app.click("Stop the recording", 100);
     places
 }
 
@@ -54,9 +54,9 @@ fn a_drag_is_recorded_played_ended_by_a_hand_exported_and_opened() {
     assert_eq!(app.window.state().recorder().recording().moves().len(), recorded.len());
     app.click("Loop", 50);
     app.click("Play the recording", 500);
-    assert!(app.has("End replay"));
+    assert!(app.has("Stop the replay"));
     app.grab(line_rect(&app).center(), 100);
-    assert!(!app.has("End replay") && app.is_driving());
+    assert!(!app.has("Stop the replay") && app.is_driving());
     app.window.drop_at(line_rect(&app).center());
     app.click("Export…", 100);
     let (name, bytes) = app.files.saved.borrow()[0].clone();
@@ -129,7 +129,7 @@ fn a_recorded_drag_has_a_time_line_on_which_a_time_is_chosen_and_the_stage_keeps
     app.click("Play the recording", 50);
     app.grab(at(0.2), 50);
     app.release(at(0.2), 50);
-    assert!(app.has("End replay"));
+    assert!(app.has("Stop the replay"));
     assert!(head_s(&app) < 0.6 * length_s, "{}", head_s(&app));
     // Another page has no time line.
     app.click_button("Tones", 100);

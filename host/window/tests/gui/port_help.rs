@@ -14,6 +14,8 @@ fn the_rules_on_the_page_are_the_file_that_is_shipped() {
     app.click("Help", 200);
     app.click_part("Ports and permissions", 200);
     assert!(app.has(SHIPPED));
+    let others = ["Windows", "macOS"].map(|system| app.has(system));
+    assert_eq!(others, [false; 2], "nothing for another system");
     app.window.get_by_label("Copy the rules").scroll_to_me();
     app.wait(300);
     app.window.get_by_label("Copy the rules").click();

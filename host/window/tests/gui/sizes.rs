@@ -39,7 +39,7 @@ fn zoom(app: &mut TestApp, key: Key, size: Vec2) -> Vec2 {
 
 #[test]
 fn the_zoom_ends_where_the_window_could_not_be_used() {
-    for (size, most) in [([1280.0, 800.0], 1.5), ([1920.0, 1080.0], 2.0), ([500.0, 350.0], 1.0)] {
+    for (size, most) in [([1280.0, 800.0], 1.5), ([1920.0, 1080.0], 2.0), ([500.0, 420.0], 1.0)] {
         let mut app = TestApp::driving();
         let size = Vec2::from(size);
         for _ in 0..30 {
@@ -50,6 +50,25 @@ fn the_zoom_ends_where_the_window_could_not_be_used() {
         let room = zoom(&mut app, Key::Minus, size);
         assert!((room * (most - 0.1) - size).abs().max_elem() < 1.0, "{size}: {room}");
     }
+}
+
+#[test]
+fn a_page_that_its_browser_magnifies_to_300_percent_keeps_a_plate() {
+    let mut app = TestApp::driving();
+    // 1280 x 720 pixels at 3 pixels a point.
+    let resized = |app: &mut TestApp, size: Vec2| {
+        for _ in 0..4 {
+            let points = size / app.window.ctx.zoom_factor();
+            app.resize(points, 50);
+        }
+        app.window.ctx.zoom_factor()
+    };
+    assert_eq!(resized(&mut app, vec2(427.0, 240.0)), 0.6);
+    let screen = app.window.ctx.content_rect();
+    let [line, stop] = [crate::line_rect(&app), app.window.get_by_label("STOP").rect()];
+    assert!(line.height() > 150.0 && screen.contains_rect(line), "{line} {screen}");
+    assert!(screen.contains_rect(stop), "{stop} {screen}");
+    assert_eq!(resized(&mut app, vec2(1280.0, 800.0)), 1.0);
 }
 
 #[test]

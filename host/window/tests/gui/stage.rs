@@ -52,7 +52,7 @@ fn a_tones_number_is_seen_beside_the_boundarys_flag() {
     app.open("two.toml", Ok(text));
     app.wait(300);
     app.click("Select tone 1", 100);
-    let flag = painted(&app, "   edge ").unwrap().expand2(vec2(10.0, 3.0));
+    let flag = painted(&app, "   fall-off ").unwrap().expand2(vec2(10.0, 3.0));
     let number = app.window.get_by_label("Peak of tone 2").rect().center().x;
     let words = words(app.window.output());
     let (_, number) =
@@ -271,7 +271,7 @@ fn a_line_says_what_stands_at_its_place() {
     assert!(painted(&app, "turning point ").is_some() && painted(&app, "not felt: too weak").is_some());
     crate::type_into(&mut app, "Level", "0.8");
     app.wait(300);
-    assert!(painted(&app, "felt edge ").is_some());
+    assert!(painted(&app, "felt to ").is_some());
     app.click("Tones", 100);
     assert!(app.has("felt edge"), "in the list, too");
 }

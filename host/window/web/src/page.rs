@@ -273,6 +273,12 @@ impl Page {
         access::take_news(&self.ctx).then(|| access::nodes(&self.ctx))
     }
 
+    /// CSS pixels of a point of the window.
+    #[must_use]
+    pub fn zoom(&self) -> f32 {
+        self.ctx.zoom_factor()
+    }
+
     /// Presses the accessible node of this id.
     pub fn press(&self, id: &str) {
         self.reports.borrow_mut().pressed.extend(access::press(id));

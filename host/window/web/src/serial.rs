@@ -182,15 +182,15 @@ impl Boards {
         self.with_line(line, |queue| queue.is_writing = false);
     }
 
-    /// A line could not be opened or has failed, with the name and the text of the browser's error.
+    /// A line could not be opened or has failed, with the name and the text of the browser's error; its text is shown only where
+    /// it is the glue's own.
     pub(crate) fn ended(&self, line: u32, name: &str, text: &str) {
         self.with_line(line, |queue| {
             let end = match (queue.is_open, name) {
-                (false, "NetworkError" | "InvalidStateError") => (ErrorKind::Other, NOT_OPENED.to_owned()),
-                (false, _) => (ErrorKind::Other, text.to_owned()),
-                // Unplugged.
-                (true, "NetworkError") => (ErrorKind::BrokenPipe, text.to_owned()),
-                (true, _) => (ErrorKind::Other, text.to_owned()),
+                (false, "TimeoutError") => (ErrorKind::Other, text.to_owned()),
+                (false, _) => (ErrorKind::Other, NOT_OPENED.to_owned()),
+                (true, "NetworkError") => (ErrorKind::BrokenPipe, "it was unplugged, or restarted".to_owned()),
+                (true, _) => (ErrorKind::Other, format!("the browser ended its line ({name})")),
             };
             queue.end.get_or_insert(end);
         });

@@ -93,7 +93,7 @@ export function nameField() {
 }
 
 const STATES = {
-  Idle: "Disarmed", Armed: "Armed, at rest", Waiting: "Waiting for the trigger", Driving: "The plate is driven",
+  Idle: "Disarmed", Armed: "Armed, at rest", Waiting: "Waiting for the trigger", Driving: "Driving",
   Stopping: "Stopping", Fault: "Fault",
 };
 

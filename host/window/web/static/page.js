@@ -226,7 +226,10 @@ const host = {
       device.postMessage({ granted: Math.max(0, ports.indexOf(port)) });
     } catch (error) {
       if (error.name !== "NotFoundError") {
-        return `The browser lets no board be chosen: ${error.message}`;
+        console.error(error);
+        return error.name === "SecurityError"
+          ? "This page may use no board: its server's Permissions-Policy or the browser's settings forbid it."
+          : "The browser showed no list of boards: load the page again.";
       }
     }
     return "";
@@ -306,6 +309,8 @@ again.addEventListener("click", () => location.reload());
 
 function look() {
   showSetup();
+  // It lies on the window's own STOP.
+  document.getElementById("stop").style.zoom = page.zoom();
   const nodes = page.newNodes();
   if (nodes) {
     mirror(nodes, (id) => hasFailed || page.press(id));

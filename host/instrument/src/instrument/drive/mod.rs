@@ -10,6 +10,7 @@ mod table;
 
 pub use device_intent::DeviceIntent;
 pub(crate) use reports::News;
+pub use reports::fault_sentence;
 pub(crate) use start::Obstacle;
 pub use start::SAFE_MODE;
 
@@ -37,7 +38,7 @@ use table::Table;
 /// Time before the device's limit of a drive at which a simulated one is paused.
 const PAUSE_BEFORE_MS: u32 = 5000;
 /// The sample rate that is assumed until a device reports its own, in Hz.
-const USUAL_RATE_HZ: f64 = 400e3;
+pub(super) const USUAL_RATE_HZ: f64 = 400e3;
 
 /// The device, and the drive that it should play.
 pub struct Drive {

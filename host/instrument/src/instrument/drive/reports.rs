@@ -4,8 +4,8 @@ use super::Drive;
 use crate::autopilot;
 use crate::changes::Changes;
 use crate::instrument::outbox::Outbox;
-use slipline_link::protocol::event::Fault;
-use slipline_link::{Outcome, Refusal, SIGN_PATIENCE, Ticket};
+use slipline_link::protocol::event::{Fault, State};
+use slipline_link::{Outcome, Refusal, SIGN_PATIENCE, Snapshot, Ticket};
 use slipline_model::setup::Setup;
 
 /// The news of a snapshot.
@@ -16,6 +16,14 @@ pub(crate) enum News {
     Clock,
     /// More has changed.
     Changes(Changes),
+}
+
+/// Why the connected device stopped by itself, and what helps; `None` without a fault.
+#[must_use]
+pub fn fault_sentence(snapshot: &Snapshot) -> Option<String> {
+    let status = snapshot.drive.status.filter(|status| status.state == State::Fault && snapshot.is_connected())?;
+    let faults = snapshot.faults_text(status.faults);
+    Some(format!("Stopped: {faults}. Clear the fault once its cause is gone."))
 }
 
 impl Drive {
@@ -54,6 +62,13 @@ impl Drive {
         }
         if changes.state {
             out.state_changed();
+        }
+        if changes.state || changes.faults {
+            match fault_sentence(&self.snapshot) {
+                Some(sentence) => out.fault(sentence),
+                None if changes.faults => out.cleared(),
+                None => {}
+            }
         }
         self.report_remaining_faults(out);
         match changes.drive_time_over {

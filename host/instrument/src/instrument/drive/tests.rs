@@ -4,7 +4,7 @@ use super::*;
 use crate::instrument::shell::{Attention, Output, Page};
 use crate::instrument::tests::StillLink;
 use slipline_link::LinkState;
-use slipline_link::protocol::event::{Identity, Status};
+use slipline_link::protocol::event::{Fault, Faults, Identity, Status};
 use slipline_link::simulator::loopback::Loopback;
 use slipline_model::jobs::JobQueue;
 use slipline_model::jobs::table;
@@ -62,6 +62,27 @@ fn a_simulated_device_is_armed_by_drive_and_a_stop_ends_what_the_user_wants() {
     drive.disarm_real();
     assert!(matches!(link.sent.take()[..], [Request::Stop]), "a simulated device stays armed");
     assert!(!drive.is_wanted() && drive.is_known_to_be_silent(0.0));
+}
+
+#[test]
+fn a_fault_is_said_before_all_else_until_it_is_cleared() {
+    let setup = setup();
+    let mut faulty = idle(false);
+    let status = Status { state: State::Fault, faults: Faults::NONE.with(Fault::DriveTime), ..Status::default() };
+    faulty.drive.status = Some(status);
+    let mut out = Outbox::default();
+    let changed = Changes { state: true, faults: true, ..Changes::default() };
+    let first = |out: &Outbox| out.notices().next().map(|notice| notice.text.clone());
+    let (mut stopped, _) = drive(&setup, faulty);
+    out.post("Saved".to_owned());
+    stopped.report(&changed, &setup, |_| false, &mut out);
+    let said = first(&out).unwrap();
+    assert!(said.starts_with("Stopped: ") && said.contains("Clear the fault"), "{said}");
+    out.fail("Not opened".to_owned());
+    assert_eq!(first(&out), Some(said), "no other message hides it");
+    let (mut cleared, _) = drive(&setup, idle(false));
+    cleared.report(&changed, &setup, |_| false, &mut out);
+    assert_eq!(first(&out), Some("Not opened".to_owned()));
 }
 
 #[test]

@@ -93,6 +93,7 @@ impl Lab {
                 let plate = Arc::clone(&self.calibration.found()?.plate);
                 self.end_calibration(reach);
                 self.rig.is_described_by(&plate);
+                self.measurements.lists.is_described_by(&plate);
                 return Some(plate);
             }
             CalibrateIntent::Save => {

@@ -62,8 +62,7 @@ pub enum MeasureIntent {
     Draft(MeasureDraft),
     /// Start the measurement, for the calibration's place of this number if there is one.
     Begin(Option<usize>),
-    /// Have the simulated device use an unknown plate, a few per cent off that of the file; or that of the
-    /// file.
+    /// Have the simulated device use an unknown plate near that of the file; or that of the file.
     Secret(bool),
     /// Tap on the simulated plate.
     Tap,

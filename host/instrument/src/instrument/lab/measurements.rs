@@ -1,5 +1,6 @@
 //! The page of measurements: the list, and the comparison of the chosen one with the plate while the page is open.
 
+use super::plate_lists::PlateLists;
 use super::verification::Verification;
 use super::{Lab, MeasureIntent, Reach};
 use crate::hold::HoldEnd;
@@ -14,7 +15,7 @@ use slipline_link::Severity;
 use slipline_model::content::Content;
 use slipline_model::jobs::compare::{CompareJob, Compared};
 use slipline_model::jobs::{JobQueue, LatestResult};
-use slipline_model::response::{Entry, Shelf, ShelfFull};
+use slipline_model::response::{Entry, ShelfFull};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{File, FileError, Measurement, SNR_DB};
 use slipline_plate::text_table::{Quantity, UnclearColumn};
@@ -23,9 +24,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// The state of the page.
-#[derive(Default)]
 pub(super) struct Measurements {
-    shelf: Shelf,
+    pub(super) lists: PlateLists,
     /// A file by another program whose metadata the user has to complete.
     foreign: Option<Asked>,
     /// Name and description of the latest sweep, for the recordings that follow.
@@ -44,31 +44,37 @@ enum NotTaken {
 }
 
 impl Measurements {
-    pub(super) fn new(jobs: &mut Jobs) -> Self {
-        let comparisons = LatestResult::of(take(&mut jobs.comparisons));
-        Self { comparisons, recordings: take(&mut jobs.recordings), ..Self::default() }
+    /// No measurement of this plate; it takes its queues from `jobs`.
+    pub(super) fn new(plate: &Plate, jobs: &mut Jobs) -> Self {
+        Self {
+            lists: PlateLists::new(plate),
+            foreign: None,
+            sweep: None,
+            comparisons: LatestResult::of(take(&mut jobs.comparisons)),
+            recordings: take(&mut jobs.recordings),
+        }
     }
 
     /// The measurement of this number.
     pub(super) fn entry(&self, number: u64) -> Option<&Entry> {
-        self.shelf.entry(number)
+        self.lists.shelf().entry(number)
     }
 
     /// Adds a measurement to the list; returns its number.
     pub(super) fn add(&mut self, name: &str, measurement: Measurement) -> Result<u64, ShelfFull> {
-        self.shelf.add(name, measurement)
+        self.lists.shelf_mut().add(name, measurement)
     }
 
     /// The measurements that are drawn.
     pub(super) fn drawn(&self) -> impl Iterator<Item = &Arc<Measurement>> {
-        self.shelf.entries().iter().filter(|entry| entry.is_shown).map(|entry| &entry.measurement)
+        self.lists.shelf().entries().iter().filter(|entry| entry.is_shown).map(|entry| &entry.measurement)
     }
 
     pub(super) fn scene<'a>(&'a self, live: LiveScene<'a>) -> MeasureScene<'a> {
-        let asked = self.comparisons.asked().zip(self.shelf.chosen());
+        let asked = self.comparisons.asked().zip(self.lists.shelf().chosen());
         let is_of_chosen = asked.is_some_and(|(job, it)| Arc::ptr_eq(&job.measurement, &it.measurement));
         let compared = self.comparisons.current().filter(|_| is_of_chosen).map(Result::as_ref);
-        MeasureScene { shelf: &self.shelf, compared, asked: self.foreign.as_ref(), live }
+        MeasureScene { shelf: self.lists.shelf(), compared, asked: self.foreign.as_ref(), live }
     }
 
     /// Stores a comparison; returns a recording that has been read.
@@ -79,7 +85,7 @@ impl Measurements {
 
     /// Compares the chosen measurement with the plate on the screen while the page is open.
     pub(super) fn compare(&mut self, plate: &Arc<Plate>, attention: &Attention) {
-        let Some(chosen) = self.shelf.chosen().filter(|_| attention.is_measurements_open) else { return };
+        let Some(chosen) = self.lists.shelf().chosen().filter(|_| attention.is_measurements_open) else { return };
         let (plate, measurement) = (Arc::clone(plate), Arc::clone(&chosen.measurement));
         self.comparisons.ask(CompareJob { plate, measurement });
     }
@@ -145,14 +151,17 @@ impl Measurements {
 impl Lab {
     /// Carries out a request of the page of measurements.
     pub(crate) fn perform_measure(&mut self, intent: MeasureIntent, reach: &mut Reach<'_>) {
-        let shelf = &mut self.measurements.shelf;
+        let shelf = self.measurements.lists.shelf_mut();
         match intent {
             MeasureIntent::Choose(number) => shelf.choose(number),
             MeasureIntent::Show(number, is_shown) => shelf.show(number, is_shown),
             MeasureIntent::Remove(number) => shelf.remove(number),
             MeasureIntent::Draft(draft) => self.live.draft = draft,
             MeasureIntent::Begin(answers) => self.begin_measuring(answers, reach),
-            MeasureIntent::Secret(is_secret) => self.rig.choose(is_secret, reach.desk.plate(), reach.out),
+            MeasureIntent::Secret(is_secret) => {
+                self.rig.choose(is_secret, reach.desk.plate(), reach.out);
+                self.measurements.lists.turn_to(reach.desk.plate(), self.rig.draw());
+            }
             MeasureIntent::Tap => self.rig.tap(),
             MeasureIntent::Verify => {
                 if !self.is_measuring() && Verification::may_begin(reach) {

@@ -6,10 +6,11 @@ use super::signal::{Looks, SENSOR_INPUT};
 use super::{Lab, MeasureDraft, Reach, is_at_bench};
 use crate::hold::HoldEnd;
 use crate::instrument::drive::Obstacle;
-use crate::instrument::shown::LiveScene;
+use crate::instrument::shown::{LiveScene, Progress};
 use crate::jobs::rig::RigJob;
 use crate::measure::{
     AfterCheck, CURRENT_INPUT, DriveChecking, MeasureError, Measured, Measuring, Plan, Run, Sensor, Wanted,
+    remaining_samples,
 };
 use slipline_link::{Severity, Ticket};
 use slipline_plate::Plate;
@@ -28,11 +29,25 @@ const DRIVE_ENDED: &str = " The drive was stopped for it: press Drive to resume.
 struct UnderWay {
     measuring: Run<AfterCheck<Measuring>>,
     plate: Arc<Plate>,
-    name: String,
+    /// Where its sensor stands, in words.
+    place: String,
     /// The calibration's place that it measures, 0 or 1.
     answers: Option<usize>,
     /// Whether it has ended a drive.
     has_stopped_drive: bool,
+    /// Samples that it needs by its plan.
+    planned: f64,
+    /// The device's sample at its start.
+    began: u64,
+}
+
+impl UnderWay {
+    /// The share that is done, 0 to 1, and the samples that it still takes, when the device is at sample `now`.
+    fn progress(&self, now: u64) -> (f64, f64) {
+        let share = self.measuring.progress(now);
+        let elapsed = now.saturating_sub(self.began) as f64;
+        (share, remaining_samples(self.planned, share, elapsed))
+    }
 }
 
 /// The state of the measurements with the device.
@@ -44,16 +59,20 @@ pub(super) struct Live {
     failed: Option<String>,
     /// Short captures of the input while the sensor is being placed.
     pub(super) looks: Looks,
-    /// Number of runs so far, for their names.
-    count: u32,
 }
 
 impl Live {
-    pub(super) fn scene(&self, now: u64, rig: &Rig, is_drive_known: bool) -> LiveScene<'_> {
-        let run = self.run.as_ref().map(|run| run.measuring.progress(now) as f32);
+    pub(super) fn scene(
+        &self,
+        (now, rate_hz): (u64, f64),
+        rig: &Rig,
+        is_drive_known: bool,
+    ) -> LiveScene<'_> {
+        let run = self.run.as_ref().map(|run| run.progress(now));
+        let progress = run.map(|(share, left)| Progress { share: share as f32, left_s: Some(left / rate_hz) });
         LiveScene {
             draft: &self.draft,
-            progress: run.or(rig.is_awaited().then_some(0.0)),
+            progress: progress.or(rig.is_awaited().then_some(Progress { share: 0.0, left_s: None })),
             is_checking: self.run.as_ref().is_some_and(|run| run.measuring.is_checking()),
             is_drive_known,
             failed: self.failed.as_deref(),
@@ -110,13 +129,14 @@ impl Lab {
                 let has_stopped_drive = reach.drive.is_wanted();
                 reach.drive.give_up();
                 reach.desk.end_replay();
-                self.live.count += 1;
                 let place = show_place(self.live.draft.place_m);
-                let name = format!("{place}, run {}", self.live.count);
                 let plate = Arc::clone(reach.desk.plate());
                 reach.drive.note(Severity::Info, format!("Measuring at {place}."));
+                let planned = measuring.planned_samples();
+                let began = reach.drive.snapshot().drive.status.map_or(0, |status| status.now);
                 let measuring = Run::of(measuring);
-                self.live.run = Some(UnderWay { measuring, plate, name, answers, has_stopped_drive });
+                self.live.run =
+                    Some(UnderWay { measuring, plate, place, answers, has_stopped_drive, planned, began });
             }
         }
     }
@@ -225,7 +245,7 @@ impl Lab {
     /// Stores the measurement, or reports why it failed.
     fn measured(&mut self, reach: &mut Reach<'_>) {
         let Some(under_way) = self.live.run.take() else { return };
-        let UnderWay { measuring, name, answers, has_stopped_drive, .. } = under_way;
+        let UnderWay { measuring, place, answers, has_stopped_drive, .. } = under_way;
         let next = if has_stopped_drive { DRIVE_ENDED } else { "" };
         let Measured { measurement, warnings, .. } = match measuring.finish() {
             Ok(measured) => measured,
@@ -240,6 +260,8 @@ impl Lab {
         };
         let count = measurement.points.len();
         self.rig.note_measured();
+        // A run without a result has no number.
+        let name = format!("{place}, run {}", self.measurements.lists.count_run());
         match self.measurements.add(&name, measurement) {
             Ok(number) => {
                 if let Some(sensor) = answers {

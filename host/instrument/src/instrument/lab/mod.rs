@@ -7,6 +7,7 @@ mod level_hold;
 mod measure_intent;
 mod measurements;
 mod measuring;
+mod plate_lists;
 mod rig;
 mod signal;
 mod verification;
@@ -15,7 +16,7 @@ pub use calibrate_intent::CalibrateIntent;
 pub use measure_intent::{MeasureDraft, MeasureIntent};
 
 use super::desk::Desk;
-use super::drive::Drive;
+use super::drive::{Drive, USUAL_RATE_HZ};
 use super::outbox::Outbox;
 use super::shell::Attention;
 use super::shown::{CalibrateScene, HoldScene, MeasureScene};
@@ -56,10 +57,10 @@ fn is_at_bench(snapshot: &Snapshot) -> bool {
 }
 
 impl Lab {
-    /// A lab whose simulated device is wired to this bench; it takes its queues from `jobs`.
-    pub(crate) fn new(bench: Bench, jobs: &mut Jobs) -> Self {
+    /// A lab for this plate, whose simulated device is wired to this bench; it takes its queues from `jobs`.
+    pub(crate) fn new(plate: &Plate, bench: Bench, jobs: &mut Jobs) -> Self {
         Self {
-            measurements: Measurements::new(jobs),
+            measurements: Measurements::new(plate, jobs),
             live: Live::default(),
             rig: Rig::on(bench, jobs),
             calibration: Calibrating::new(jobs),
@@ -114,9 +115,11 @@ impl Lab {
         self.rig.take_other_truth()
     }
 
-    /// Another plate is on the screen: draws another unknown plate if the one under the simulated device does not belong to it.
+    /// Another plate is on the screen: draws another unknown plate if the one under the simulated device does not belong to it,
+    /// and turns to the plate's own measurements.
     pub(crate) fn use_plate(&mut self, plate: &Arc<Plate>, out: &mut Outbox) {
         self.rig.renew(plate, out);
+        self.measurements.lists.turn_to(plate, self.rig.draw());
     }
 
     /// The measurements that are drawn.
@@ -127,7 +130,8 @@ impl Lab {
     /// The page of measurements.
     pub(crate) fn measure_scene(&self, snapshot: &Snapshot) -> MeasureScene<'_> {
         let now = snapshot.drive.status.map_or(0, |status| status.now);
-        let mut live = self.live.scene(now, &self.rig, is_at_bench(snapshot));
+        let clock = (now, snapshot.sample_rate_hz().unwrap_or(USUAL_RATE_HZ));
+        let mut live = self.live.scene(clock, &self.rig, is_at_bench(snapshot));
         live.progress = live.progress.or(self.verification.progress(now));
         self.measurements.scene(live)
     }

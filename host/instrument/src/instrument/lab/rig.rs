@@ -69,6 +69,11 @@ impl Rig {
         self.secret.is_some()
     }
 
+    /// The number of the unknown plate, if there is one.
+    pub(super) fn draw(&self) -> Option<u64> {
+        self.is_secret().then_some(self.draws)
+    }
+
     /// The unknown plate, and whether it was measured.
     pub(super) fn truth(&self) -> Option<(&Arc<Plate>, bool)> {
         self.secret.as_ref().map(|secret| (&secret.truth, secret.is_measured))

@@ -28,7 +28,7 @@ impl House {
         let mut jobs = Jobs::inline();
         let mut drive = Drive::new(Box::new(link), &setup.plate, &mut jobs);
         drive.take_snapshot();
-        let lab = Lab::new(Bench::default(), &mut jobs);
+        let lab = Lab::new(&setup.plate, Bench::default(), &mut jobs);
         let (attention, out) = (Attention::default(), Outbox::default());
         Self { desk: Desk::new(setup), drive, lab, attention, out }
     }

@@ -84,12 +84,17 @@ impl Work {
     }
 }
 
+/// Whether the user has asked for this work; the screen computes the other by itself.
+const fn is_asked(what: Awaited) -> bool {
+    match what {
+        Awaited::Sheet | Awaited::Check => false,
+        Awaited::Table | Awaited::Design | Awaited::Texture | Awaited::Plane => true,
+    }
+}
+
 /// How long this work may take before it is shown, in seconds.
 const fn patience_s(what: Awaited) -> f64 {
-    match what {
-        Awaited::Sheet | Awaited::Check => LONG_PATIENCE_S,
-        Awaited::Table | Awaited::Design | Awaited::Texture | Awaited::Plane => PATIENCE_S,
-    }
+    if is_asked(what) { PATIENCE_S } else { LONG_PATIENCE_S }
 }
 
 impl Screen {
@@ -129,9 +134,11 @@ impl Screen {
         .find_map(|(what, share)| Some(Waiting { what, share: share? }))
     }
 
-    /// The work that the user waits for, once it has taken longer than the user's patience.
-    pub(super) fn waiting(&self, drive: &Drive) -> Option<Waiting> {
-        self.under_way(drive).filter(|_| self.background.is_long)
+    /// The work that the user waits for, once it has taken longer than the user's patience. A replay moves the lines all the
+    /// time, as a drag does: nobody waits for what the screen computes by itself meanwhile.
+    pub(super) fn waiting(&self, drive: &Drive, is_replayed: bool) -> Option<Waiting> {
+        let waiting = self.under_way(drive).filter(|_| self.background.is_long)?;
+        (!is_replayed || is_asked(waiting.what)).then_some(waiting)
     }
 
     /// Stores the results of the work; returns the edit by which the setup follows a drawing.

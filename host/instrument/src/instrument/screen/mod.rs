@@ -161,7 +161,7 @@ impl Screen {
             calibration: lab.calibration_scene(),
             plane_job: self.plane_job(desk),
             sheet: self.sheet(),
-            waiting: self.waiting(drive),
+            waiting: self.waiting(drive, desk.recorder().played_s().is_some()),
             notices: out.notices().collect(),
             compare: desk.compare(),
             recorder: desk.recorder(),

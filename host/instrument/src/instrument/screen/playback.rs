@@ -6,7 +6,7 @@ use super::{Screen, Sight};
 use crate::instrument::outbox::Outbox;
 use crate::instrument::shell::Attention;
 use crate::instrument::work::Jobs;
-use slipline_link::Snapshot;
+use slipline_link::{Played, Snapshot};
 use slipline_model::field::displacement_map::slow_factor;
 use slipline_model::field::felt::Felt;
 use slipline_model::field::steady_field::{SteadyField, SteadyTone};
@@ -27,8 +27,10 @@ const BETWEEN_DRIVES_S: f64 = 0.3;
 /// The state of the playback.
 #[derive(Default)]
 pub(super) struct Playback {
-    /// What sounds; `None` at rest.
+    /// The drive or chord that sounds; `None` at rest, and while combs measure the plate.
     pub(super) sounding: Option<Sounding>,
+    /// Whether the device plays tones.
+    is_played: bool,
     /// The codes the device sends.
     pub(super) waveform: Waveform,
     /// The latest result of the simulated plate; its drive may have ended.
@@ -118,7 +120,7 @@ pub(super) struct Sounding {
 impl Screen {
     /// The device's clock has advanced: asks the mirror to replay the codes up to now.
     pub(crate) fn follow_clock(&mut self, snapshot: &Snapshot) {
-        if self.is_sounding() {
+        if self.playback.is_played {
             self.playback.follow(snapshot);
         }
     }
@@ -130,10 +132,12 @@ impl Screen {
         let (snapshot, plate) = (drive.snapshot(), &self.plate);
         let acknowledged = sounding::sounding(snapshot);
         // At rest there is nothing to replay, but the change to rest itself must be replayed.
-        if acknowledged.is_some() || self.is_sounding() {
+        if acknowledged.is_some() || self.playback.is_played {
             self.playback.follow(snapshot);
         }
-        let Some(acknowledged) = acknowledged else {
+        self.playback.is_played = acknowledged.is_some();
+        // A comb is no drive of the setup: it measures the plate.
+        let Some(acknowledged) = acknowledged.filter(|it| !matches!(it.played, Played::Comb(_))) else {
             self.playback.sounding = None;
             return;
         };

@@ -81,8 +81,15 @@ impl Prediction {
             };
             let alone = SteadyField::solve(&setup.plate, &tones);
             let known = table.map(|_| &alone);
+            let mut lines = line::lines(setup, known);
+            // Until the height is known, the lines that keep a place stand there.
+            for line in lines.iter_mut().filter(|_| known.is_none()) {
+                if let Some((_, place_m)) = self.edges_m.iter().find(|(slot, _)| *slot == line.slot) {
+                    *line = Line { place_m: *place_m, holds: Holds::FeltEdge, ..*line };
+                }
+            }
             Predicted {
-                lines: line::lines(setup, known),
+                lines,
                 felt: known.map(|known| Felt::of(&setup.plate, &setup.feeling, known)),
                 field: match load {
                     None => alone,

@@ -179,9 +179,10 @@ impl Screen {
     /// Draws the texture from a profile file, and opens its page.
     pub(crate) fn take_profile(&mut self, name: &str, bytes: &[u8], out: &mut Outbox) {
         let profile = if bytes.starts_with(PNG_SIGNATURE) {
-            from_png(bytes, self.plate.length_m()).map(|breakpoints| (breakpoints, String::new()))
+            let from = "from the brightness of its middle row".to_owned();
+            from_png(bytes, self.plate.length_m()).map(|breakpoints| (breakpoints, from))
         } else {
-            from_csv(bytes).map(|table| (table.breakpoints, format!(": {}", table.read)))
+            from_csv(bytes).map(|table| (table.breakpoints, table.read.to_string()))
         };
         match profile {
             Ok((breakpoints, read)) => {
@@ -190,7 +191,7 @@ impl Screen {
                 draft.take_profile(&breakpoints);
                 self.draft_texture(draft);
                 out.open(Page::Texture);
-                out.post(format!("Opened {name}{read}"));
+                out.post(format!("Opened {name} as the texture's profile: {read}"));
             }
             Err(error) => out.not_opened(name, &error),
         }

@@ -33,7 +33,7 @@ impl SourceChoice {
         match self {
             Self::Automatic => "Wave: automatic",
             Self::Lines => "Wave: modal lines",
-            Self::Sheet => "Wave: 2-D sheet if possible",
+            Self::Sheet => "Wave: 2-D where possible",
         }
     }
 

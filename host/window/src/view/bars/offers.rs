@@ -1,7 +1,7 @@
 //! The actions that are offered in each state of link and device. Every state offers a next step; while the plate
 //! is driven that is STOP, which is always shown.
 
-use crate::intent::{Confirm, DeviceIntent, Dialog, Intent};
+use crate::intent::{Confirm, DeviceIntent, Dialog, Intent, MeasureIntent};
 use crate::scene::Scene;
 use slipline_instrument::autopilot;
 use slipline_link::protocol::event::State;
@@ -60,6 +60,14 @@ fn connected(scene: &Scene<'_>) -> Vec<Offer> {
         let close = Intent::Device(DeviceIntent::Disconnect);
         return vec![offer("Disconnect", "Close the port", close)];
     };
+    if scene.is_measured_now() {
+        // The calibration's pages cover the bar and have their own button.
+        if scene.dialog == Some(&Dialog::Calibrate) {
+            return Vec::new();
+        }
+        let cancel = Intent::Measure(MeasureIntent::Cancel);
+        return vec![offer("Cancel measuring", "Stop the tones; nothing is kept", cancel)];
+    }
     let mut offers = of_state(scene, status.state, snapshot.is_simulated());
     if matches!(scene.table, TableState::Cancelled) && status.state != State::SafeMode {
         let help = "Make the table of this plate: without it the plate cannot be driven";
@@ -85,7 +93,7 @@ fn of_state(scene: &Scene<'_>, state: State, is_simulated: bool) -> Vec<Offer> {
         }
         (State::Armed | State::Waiting | State::Stopping, true) => vec![drive()],
         (State::Armed | State::Waiting, false) => vec![drive(), disarm()],
-        (State::Driving, false) => vec![idle("Drive", "The plate is driven"), disarm()],
+        (State::Driving, false) => vec![idle("Drive", "Driving"), disarm()],
         (State::Stopping, false) => vec![idle("Drive", "Wait until it is silent"), disarm()],
         (State::Driving, true) => Vec::new(),
         (State::Fault, _) => {

@@ -6,7 +6,7 @@ use crate::view::bars::{menu, offers};
 use crate::view::stage::aligned::{self, Width};
 use crate::view::theme;
 use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, pos2, vec2};
-use slipline_instrument::SAFE_MODE;
+use slipline_instrument::{SAFE_MODE, fault_sentence};
 use slipline_link::protocol::event::{Fault, State, Status};
 use slipline_link::{LinkError, LinkState, Port};
 use theme::Palette;
@@ -26,6 +26,9 @@ const STOP: Vec2 = vec2(104.0, 34.0);
 const STOP_HELP: &str = "Ramps to silence now; a real device is also disarmed. Twice within a second: emergency stop, \
     silent within 2 ms, with a fault to be cleared. Keys: Esc or Space, in every state";
 
+/// What a measurement does to the drive of the setup.
+const MEASURING: &str = "The setup does not sound until it is done.";
+
 /// The error text as a whole sentence.
 fn sentence(trouble: &LinkError) -> String {
     let text = slipline_link::capitalized(&trouble.to_string());
@@ -36,6 +39,10 @@ fn sentence(trouble: &LinkError) -> String {
 /// The content of the state chip: a word, its colour, and a sentence.
 pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str, Color32, String) {
     let snapshot = scene.snapshot;
+    if let Some(progress) = scene.measure.live.progress {
+        let why = if scene.measure.live.is_checking { "Quiet tones first: is the drive on?" } else { MEASURING };
+        return ("measuring", palette.accent, format!("Measuring: {progress}. {why}"));
+    }
     match &snapshot.link.state {
         LinkState::Disconnected => {
             let why = snapshot.link.error.as_ref().map_or_else(|| "No port is open.".to_owned(), sentence);
@@ -47,7 +54,7 @@ pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
             ("waiting for port", palette.warn, format!("{} Waiting for it.", sentence(trouble)))
         }
         LinkState::Reconnecting(trouble) => {
-            ("reconnecting", palette.warn, format!("{} Looking for it.", sentence(trouble)))
+            ("reconnecting", palette.warn, format!("{} Reconnecting …", sentence(trouble)))
         }
         LinkState::Connected => match snapshot.drive.status {
             None => ("connected", palette.weak, "The device answers.".to_owned()),
@@ -61,14 +68,7 @@ pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
                     ("waiting", palette.accent, "A drive waits for the trigger input.".to_owned())
                 }
                 State::Stopping => ("stopping", palette.warn, "Ramping to silence.".to_owned()),
-                State::Fault => {
-                    let help = "Clear the fault once its cause is gone.";
-                    (
-                        "fault",
-                        palette.wrong,
-                        format!("Stopped: {}. {help}", snapshot.faults_text(status.faults)),
-                    )
-                }
+                State::Fault => ("fault", palette.wrong, fault_sentence(snapshot).unwrap_or_default()),
                 State::SafeMode => ("safe mode", palette.wrong, SAFE_MODE.to_owned()),
             },
         },
@@ -79,8 +79,13 @@ pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
 const ROOM_FOR_ONE_ROW: f32 = 560.0;
 /// In windows narrower than this, in points, the program's name is left out.
 const ROOM_FOR_NAME: f32 = 760.0;
-/// In windows narrower than this, in points, the state names a fault without its cause; the tooltip has the cause.
+/// In windows narrower than this, in points, the state names a fault without its cause; tooltip and status line have the
+/// cause.
 const ROOM_FOR_FAULT: f32 = 900.0;
+/// In windows narrower than this, in points, only the status line has a measurement's progress.
+const ROOM_FOR_PROGRESS: f32 = 1040.0;
+/// The longest words of that progress: the chip is no narrower for others, so that Cancel keeps its place.
+const LONGEST_PROGRESS: &str = "measuring: 88 %, 88 s left";
 /// A cause with more letters than this is only in the tooltip.
 const LONGEST_CAUSE: usize = 32;
 /// Space in and between the buttons of such a narrow bar, in points.
@@ -157,9 +162,14 @@ fn in_use(ui: &mut egui::Ui, scene: &Scene<'_>, stop: Option<f32>, intents: &mut
     };
     let shown = ui.horizontal(|ui| {
         let (word, colour, sentence) = state_words(scene, palette);
-        let fault =
-            scene.snapshot.is_connected().then_some(scene.snapshot.drive.status).flatten().and_then(fault);
-        chip(ui, (word, fault), row >= ROOM_FOR_FAULT, colour).on_hover_text(sentence);
+        let more = scene.measure.live.progress.map(|progress| progress.to_string()).or_else(|| {
+            let status = scene.snapshot.is_connected().then_some(scene.snapshot.drive.status).flatten();
+            status.and_then(fault).map(str::to_owned)
+        });
+        let is_measured = scene.is_measured_now();
+        let is_wide = row >= if is_measured { ROOM_FOR_PROGRESS } else { ROOM_FOR_FAULT };
+        let least = if is_measured && is_wide { LONGEST_PROGRESS } else { USUAL_STATE };
+        chip(ui, (word, more), (is_wide, least), colour).on_hover_text(sentence);
         offer_buttons(ui, scene, intents);
     });
     let room = room - device - shown.response.rect.width() - gap;
@@ -224,16 +234,17 @@ fn chip_width(ui: &egui::Ui, text: &str) -> f32 {
     theme::text_width(ui, text, CHIP_FONT) + 34.0
 }
 
-/// A rounded box with a coloured dot, a word, and the cause of a fault where there is room for it.
+/// A rounded box with a coloured dot, a word, and where there is room for it the cause of a fault or the progress of a
+/// measurement. It is no narrower than for the text `least`.
 fn chip(
     ui: &mut egui::Ui,
-    (word, fault): (&str, Option<&str>),
-    is_wide: bool,
+    (word, more): (&str, Option<String>),
+    (is_wide, least): (bool, &str),
     colour: Color32,
 ) -> egui::Response {
-    let said = fault.map_or_else(|| word.to_owned(), |cause| format!("{word}: {cause}"));
+    let said = more.map_or_else(|| word.to_owned(), |more| format!("{word}: {more}"));
     let shown = if is_wide { said.as_str() } else { word };
-    let size = vec2(chip_width(ui, shown).max(chip_width(ui, USUAL_STATE)), 24.0);
+    let size = vec2(chip_width(ui, shown).max(chip_width(ui, least)), 24.0);
     let galley = ui.painter().layout_no_wrap(shown.to_owned(), CHIP_FONT, colour);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter();

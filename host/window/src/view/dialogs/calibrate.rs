@@ -5,7 +5,7 @@ mod known;
 mod result;
 mod signal;
 
-use crate::intent::{CalibrateIntent, Intent, Intents};
+use crate::intent::{Asks as _, CalibrateIntent, DeviceIntent, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::fields::{foreign_form, measure_form};
 use crate::view::panels::validity;
@@ -15,6 +15,7 @@ use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, Label, RichText, Sense, vec2};
 use slipline_instrument::calibration::{CalibrationWizard, WizardPage};
+use slipline_instrument::fault_sentence;
 use slipline_model::response::Headroom;
 use slipline_plate::quantity::show_place;
 
@@ -31,6 +32,14 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         );
     });
     ui.add_space(6.0);
+    // The bar with its offers lies behind this page.
+    if let Some(fault) = fault_sentence(scene.snapshot) {
+        wrapped(ui, RichText::new(fault).color(palette.wrong));
+        ui.button("Clear fault")
+            .on_hover_text("Clear the latched faults whose cause is gone; then measure again")
+            .asks(intents, Intent::Device(DeviceIntent::ClearFaults));
+        ui.add_space(6.0);
+    }
     match step {
         WizardPage::Plate => known::show(ui, calibration, view, intents),
         WizardPage::FirstPlace => {
@@ -63,8 +72,8 @@ fn place(ui: &mut egui::Ui, calibration: &CalibrationWizard, sensor: usize) {
     let there = show_place(place_m);
     let text = if sensor == 0 {
         format!(
-            "Put the sensor on the centre line, {there} from the driven end. Measure its place: the boundary will be no \
-             better than it."
+            "Put the sensor on the centre line, {there} from the driven end. Measure its place: the result cannot be \
+             more accurate than this."
         )
     } else {
         format!("Move the same sensor to {there}, and change nothing else: neither its gain nor the level.")
@@ -89,7 +98,7 @@ fn answer(
         wrapped(
             ui,
             format!(
-                "What the sensor answered at about {there}: measure it with the device, open a file, or choose from the list."
+                "The response at about {there}: measure it with the device, open a file, or choose from the list."
             ),
         );
     }

@@ -12,6 +12,7 @@ use crate::view::bars::top_bar;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use crate::view::theme::GAP;
+use eframe::egui::os::OperatingSystem;
 use eframe::egui::{self, RichText};
 use slipline_model::export::report;
 
@@ -34,10 +35,10 @@ pub(crate) const SHORTCUTS: [(&str, &str); 19] = [
     ("Ctrl+B", "Switch between the setups A and B"),
     ("Ctrl+0", "The whole window for the stage, or panel and plots again"),
     ("P", "Pause the wave and the plots"),
-    ("Press, double click", "On plate and envelope: move the selected line here; add a tone here"),
+    ("Click, double-click", "On plate and envelope: move the line here; add a tone here"),
     ("Wheel on a plot", "Zoom about the pointer; with Shift its values"),
     ("Drag, double click on a plot", "Move it, show all of it again"),
-    ("Ctrl+Plus, Ctrl+Minus", "Larger, smaller"),
+    ("Ctrl+Plus, Ctrl+Minus", "Zoom in, out"),
     ("F1", "This page"),
 ];
 
@@ -82,7 +83,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             match dialog {
                 Dialog::Scenes => scenes::show(ui, scene, intents),
                 Dialog::Shortcuts => shortcuts(ui),
-                Dialog::PortHelp => port_help(ui, intents),
+                Dialog::PortHelp => port_help(ui, scene.asks_for_port, intents),
                 Dialog::About => about(ui),
                 Dialog::Diagnostics => diagnostics(ui, scene, intents),
                 Dialog::Calibrate => calibrate::show(ui, scene, view, intents),
@@ -138,28 +139,46 @@ fn shortcuts(ui: &mut egui::Ui) {
 /// The udev rules that let the user at the screen open a device and flash it. This is the file that is shipped.
 const UDEV_RULES: &str = include_str!("../../../../../firmware/70-slipline.rules");
 
-fn port_help(ui: &mut egui::Ui, intents: &mut Intents) {
+/// What helps with ports on the user's own system; in a browser, which lists and names them itself, only what that leaves.
+fn port_help(ui: &mut egui::Ui, is_browser: bool, intents: &mut Intents) {
     ui.heading("Ports and permissions");
     ui.add_space(6.0);
-    for (question, answer) in [
-        (
-            "The device is not listed",
-            "Use a cable that carries data, not a charging cable. The board shows up a second after it is plugged in; then press Look again.",
-        ),
-        (
-            "Linux: no permission",
-            "Put the rules below into /etc/udev/rules.d/70-slipline.rules and plug the device in again. Or join the group dialout (on some systems uucp) and log in again.",
-        ),
-        (
-            "Windows",
-            "The port works with the system's own driver. If it is listed but busy, close other serial programs.",
-        ),
-        ("macOS", "Choose the port that begins with /dev/cu."),
-    ] {
+    let help = |ui: &mut egui::Ui, question: &str, answer: &str| {
         ui.label(RichText::new(question).strong());
         ui.add(egui::Label::new(answer).wrap());
         ui.add_space(4.0);
+    };
+    let again = if is_browser { "press \"A board by USB…\" and choose it" } else { "press Look again" };
+    help(
+        ui,
+        "The device is not listed",
+        &format!(
+            "Use a cable that carries data, not a charging cable. The board shows up a second after it is plugged in; then {again}."
+        ),
+    );
+    let system = ui.ctx().os();
+    let is_unknown = system == OperatingSystem::Unknown;
+    if system == OperatingSystem::Windows || is_unknown {
+        help(
+            ui,
+            "Windows",
+            "The port works with the system's own driver. If it is listed but busy, close other serial programs.",
+        );
     }
+    if (system == OperatingSystem::Mac || is_unknown) && !is_browser {
+        help(ui, "macOS", "Choose the port that begins with /dev/cu.");
+    }
+    if system == OperatingSystem::Nix || is_unknown {
+        help(
+            ui,
+            "Linux: no permission",
+            "Put the rules below into /etc/udev/rules.d/70-slipline.rules and plug the device in again. Or join the group dialout (on some systems uucp) and log in again.",
+        );
+        udev_rules(ui, intents);
+    }
+}
+
+fn udev_rules(ui: &mut egui::Ui, intents: &mut Intents) {
     egui::Frame::group(ui.style()).show(ui, |ui| {
         ui.add(egui::Label::new(RichText::new(UDEV_RULES).monospace().small()).wrap());
     });
@@ -255,7 +274,7 @@ fn confirmation(ui: &mut egui::Ui, confirm: Confirm, scene: &Scene<'_>, intents:
     ui.horizontal(|ui| {
         let is_cancelled = ui.button("Cancel").on_hover_text("Leave everything as it is").clicked();
         let confirm_button = ui.add(theme::primary(ui, verb, true));
-        let is_confirmed = confirm_button.on_hover_text("Do what is described above, now").clicked();
+        let is_confirmed = confirm_button.on_hover_text("Carry out the action that is described above").clicked();
         if is_confirmed {
             intents.push(Intent::Confirmed(confirm));
         }

@@ -21,7 +21,7 @@ const USUAL_COIL_OHM: f64 = 4.0;
 /// Shows the switch, and the fields while it is on; returns the user's change.
 pub(crate) fn show(ui: &mut egui::Ui, fields: &mut Fields, live: &LiveScene<'_>) -> Option<MeasureDraft> {
     let mut draft = *live.draft;
-    let switch = ui.checkbox(&mut draft.is_checked, "Check first that the drive is on");
+    let switch = ui.checkbox(&mut draft.is_checked, "Test the drive first");
     switch.on_hover_text(CHECK_HELP);
     if draft.is_checked && !live.is_drive_known {
         draft.drive = circuit(ui, fields, draft.drive);

@@ -58,10 +58,11 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
                     ask(MeasureIntent::Describe(ForeignMetadata { snr_db, ..stated }));
                 }
             }
-            if let Some(kind) = kind(ui, "It showed", stated.kind) {
-                ask(MeasureIntent::Describe(ForeignMetadata { kind: Some(kind), ..stated }));
-            }
         });
+        // In a row of its own: three would be wider than the side panel.
+        if let Some(kind) = kind(ui, "Sensor type", stated.kind) {
+            ask(MeasureIntent::Describe(ForeignMetadata { kind: Some(kind), ..stated }));
+        }
         refusal(ui, reason.as_deref().or(asked.refused.as_deref()));
         if let AskedContent::Recording { sweep, .. } = &asked.content {
             ui.horizontal(|ui| {
@@ -80,7 +81,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
             if add.on_disabled_hover_text(missing.unwrap_or_default()).clicked() {
                 ask(MeasureIntent::TakeAsked);
             }
-            if ui.button("Leave it").on_hover_text("Close the file and keep nothing of it").clicked() {
+            if ui.button("Leave it").on_hover_text("Close the file without adding it to the list").clicked() {
                 ask(MeasureIntent::LeaveAsked);
             }
         });

@@ -18,6 +18,10 @@ use slipline_plate::quantity::number_format::with_decimals;
 /// Width of the button that cancels, in points.
 const CANCEL: f32 = 140.0;
 
+/// What the hidden test plate is ([`slipline_instrument::rig::secret`]).
+const SECRET_HELP: &str = "To try a calibration: the sensor stands on a plate near this one, whose numbers are not shown. Its wave speed is up \
+    to 5 % off, its loss 0.5 to 2.5 times as high, and its drive another one";
+
 /// Shows the form. `answers` is the calibration's place that the measurement is for.
 pub(crate) fn show(
     ui: &mut egui::Ui,
@@ -46,22 +50,24 @@ pub(crate) fn show(
             ask(MeasureIntent::Begin(answers));
         }
         // Beside the button, so that nothing under it moves. A message would lie behind the calibration's pages.
-        let Some(share) = live.progress else {
+        let Some(progress) = live.progress else {
             return lines(ui, live.failed.unwrap_or_default(), palette.wrong, 2);
         };
-        let room = (ui.available_width() - CANCEL).max(20.0);
+        // Beside the page, the top bar has the button.
+        let has_cancel = answers.is_some();
+        let room = (ui.available_width() - if has_cancel { CANCEL } else { 0.0 }).max(20.0);
         if live.is_checking {
             ui.scope(|ui| {
                 ui.set_max_width(room);
                 lines(ui, "Quiet tones first: is the drive on?", palette.text, 2);
             });
         } else {
-            let percent = format!("{:.0} %", 100.0 * share);
-            let bar = ui.add(egui::ProgressBar::new(share).desired_height(8.0).desired_width(room));
+            let percent = format!("{:.0} %", 100.0 * progress.share);
+            let bar = ui.add(egui::ProgressBar::new(progress.share).desired_height(8.0).desired_width(room));
             let name = format!("Measured: {percent}");
             bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &name));
         }
-        if ui.button("Cancel measuring").on_hover_text("Stop the tones; nothing is kept").clicked() {
+        if has_cancel && ui.button("Cancel measuring").on_hover_text("Stop the tones; nothing is kept").clicked() {
             ask(MeasureIntent::Cancel);
         }
     });
@@ -98,7 +104,7 @@ fn settings(
             if let Some(level) = number(ui, typed, &mut reason, field, of_level, quantity::level) {
                 ask(MeasureIntent::Draft(MeasureDraft { level, ..draft }));
             }
-            if let Some(kind) = kind(ui, "It shows", Some(draft.kind)) {
+            if let Some(kind) = kind(ui, "Sensor type", Some(draft.kind)) {
                 ask(MeasureIntent::Draft(MeasureDraft { kind, ..draft }));
             }
         });
@@ -106,10 +112,10 @@ fn settings(
     refusal(ui, reason.as_deref());
     if scene.snapshot.is_simulated() {
         let mut is_secret = live.is_secret;
-        let switch = egui::Checkbox::new(&mut is_secret, "A secret plate, a few per cent off");
+        let switch = egui::Checkbox::new(&mut is_secret, "Hidden test plate (its numbers differ)");
         let switch = ui.add_enabled(answers != Some(1), switch);
         if switch
-            .on_hover_text("To try a calibration: the sensor stands on a plate with unknown numbers")
+            .on_hover_text(SECRET_HELP)
             .changed()
         {
             ask(MeasureIntent::Secret(is_secret));

@@ -38,7 +38,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let explanation = if frequency_hz >= SLIPPERY_FROM_HZ {
         "Slippery up to the line, the plate's own friction beyond."
     } else {
-        "Vibration up to the line, stillness beyond it. Slipperiness needs 20 kHz and more."
+        "Vibration up to the line, stillness beyond it. Slippery surfaces need 20 kHz or more."
     };
     // The one number of the line, and beside it whose it is: another tone moves nothing.
     let place = scene.line(slot).map_or(UNKNOWN.to_owned(), |line| show_place(line.place_m));

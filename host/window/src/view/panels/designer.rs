@@ -100,7 +100,7 @@ fn figures(ui: &mut egui::Ui, design: &Design) {
         row(ui, "   matches at", show_frequency(damper.match_frequency_hz));
         row(ui, "   r over the band", format!("{:.2} to {:.2}", damper.ratio_range.0, damper.ratio_range.1));
     }
-    row(ui, "   comes back", format!("at most {:.0} %", 100.0 * damper.largest_reflection));
+    row(ui, "   reflection", format!("at most {:.0} %", 100.0 * damper.largest_reflection));
     if let Some(tension) = design.tension_n_per_m {
         row(ui, "Tension", format!("{tension:.1} N/m"));
     }

@@ -61,16 +61,23 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &m
     if scene.ports.len() <= 1 {
         ui.label(RichText::new("No serial port found.").small().color(palette.weak));
     }
+    // A browser opens no port by its name.
+    if !scene.asks_for_port {
+        another_port(ui, scene, view, intents);
+    }
+    let missing = ui.link("My device is missing or access is denied");
+    missing
+        .on_hover_text("Cables, permissions and drivers: what to look at")
+        .asks(intents, Intent::Dialog(Some(Dialog::PortHelp)));
+}
+
+fn another_port(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     labelled(ui, "Another port", |ui| {
         let current = scene.snapshot.link.port.as_ref().map_or_else(String::new, ToString::to_string);
         let hint = "unix:PATH of a served device, or a serial port's name. Enter connects to it and arms no real device";
         let field = InputField::new("Another port", &current, hint, ui.available_width() - 8.0);
         intents.extend(field.show(ui, &mut view.fields, str::parse).map(Intent::Connect));
     });
-    let missing = ui.link("My device is not listed, or may not be opened");
-    missing
-        .on_hover_text("Cables, permissions and drivers: what to look at")
-        .asks(intents, Intent::Dialog(Some(Dialog::PortHelp)));
 }
 
 /// Width of the buttons of a connection, in points.
@@ -235,15 +242,15 @@ fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let help = "Drives that a newer one or a stop replaced before they were sent, as in a drag";
     counter("Superseded drives", link.superseded.to_string(), help);
     let help = "Messages of the device that arrived damaged; the commands that wait for them are sent again";
-    counter("CRC errors here", snapshot.link.decoder.damaged.to_string(), help);
+    counter("CRC errors (computer)", snapshot.link.decoder.damaged.to_string(), help);
     if let Some(status) = snapshot.drive.status {
         let device = status.counters;
         let help = "Commands that arrived damaged at the device; it did not act on them";
-        counter("CRC errors there", device.crc_errors.to_string(), help);
+        counter("CRC errors (device)", device.crc_errors.to_string(), help);
         let help = "Answers that this computer did not take in time, and commands that a stop or a full queue left out";
-        counter("Dropped there", device.dropped.to_string(), help);
+        counter("Dropped (device)", device.dropped.to_string(), help);
         let help = "Commands that the device got twice and acted on once";
-        counter("Repeats there", device.duplicates.to_string(), help);
+        counter("Repeats (device)", device.duplicates.to_string(), help);
         let failed = format!("{} / {}", device.underruns, device.clips);
         counter(
             "Underruns / clips",

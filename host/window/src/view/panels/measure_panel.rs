@@ -15,7 +15,7 @@ const OPEN_HELP: &str = "A CSV of this page, or what another program measured: a
 /// The formats of recordings that are read.
 const RECORDINGS: &str = if cfg!(target_arch = "wasm32") { "WAV" } else { "WAV, FLAC, ALAC (M4A) or AIFF" };
 const CALIBRATE_HELP: &str =
-    "Fit the plate to what a sensor answers at two places: its speed, its loss, the gain of its drive";
+    "Fit the plate to the measured response at two places: its speed, its loss, the gain of its drive";
 /// Width of a measurement's colour in the list, in points.
 const SWATCH: f32 = 12.0;
 /// Width of the button that removes one, in points.
@@ -40,8 +40,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         measure_form::show(ui, scene, &mut view.fields, None, intents);
     }
     if shelf.entries().is_empty() {
-        let text = "What a sensor on the plate answered, over the frequency: level and phase beside the model of this \
-                    plate, and the noise.";
+        let text = "Measured response over frequency: level and phase beside the model of this plate, and the noise.";
         ui.add(egui::Label::new(RichText::new(text).color(palette.weak)).wrap());
         return;
     }

@@ -20,7 +20,7 @@ const PAGES: [(PlatePage, &str, &str); 4] = [
     (PlatePage::Plate, "This plate", "Which plate it is, and its numbers"),
     (PlatePage::Validity, "Validity", "How reliable plate and boundary are"),
     (PlatePage::Designer, "Designer", "A plate for a band: taper, damper, cut files"),
-    (PlatePage::Measure, "Measure", "What a sensor on the plate answered, beside its model"),
+    (PlatePage::Measure, "Measure", "The measured response, beside the plate's model"),
 ];
 
 /// The buttons of the pages, which stay while a page is scrolled.
@@ -131,8 +131,8 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
                     ui.label(RichText::new(text).small().color(palette.weak));
                 }
             }
-            row(ui, "Levelled out", format!("{:.1} dB of swing", table.swing_without_gain_db()));
-            row(ui, "Left between knots", format!("{:.2} dB", table.worst_error_db()));
+            row(ui, "Gain range of the table", format!("{:.1} dB", table.swing_without_gain_db()));
+            row(ui, "Error between points", format!("{:.2} dB", table.worst_error_db()));
             if let Some(decibel) = made.sensitivity_db {
                 let colour = if decibel > 3.0 { palette.warn } else { palette.text };
                 row(ui, "If waves are 1 % faster", RichText::new(format!("±{decibel:.2} dB")).color(colour));

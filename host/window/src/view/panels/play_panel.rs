@@ -39,7 +39,7 @@ fn compare(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         let words = if is_here {
             summary(scene.setup)
         } else {
-            scene.compare.other().map_or_else(|| "begins as a copy".to_owned(), summary)
+            scene.compare.other().map_or_else(|| "copy of A".to_owned(), summary)
         };
         let text = format!("{}   {words}", side.letter());
         let size = egui::vec2(ui.available_width(), 28.0);
@@ -67,19 +67,20 @@ fn recording(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let is_playing = recorder.played_s().is_some();
     ui.horizontal(|ui| {
         let is_recording = recorder.is_recording();
-        let (word, help) = if is_recording {
-            ("End recording", "Keep what was recorded")
+        let (word, name, help) = if is_recording {
+            ("Stop", "Stop the recording", "Keep what was recorded")
         } else {
-            ("Record", "Record where and when lines are moved; the recording before is replaced")
+            ("Record", "Record", "Record where and when lines are moved; the recording before is replaced")
         };
         let record = theme::primary(ui, word, is_recording || moves == 0);
         let record = ui.add(record.min_size(egui::vec2(RECORD, 0.0)));
+        record.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
         record.on_hover_text(help).asks(intents, Intent::Record(!is_recording));
-        let word = if is_playing { "End replay" } else { "Play" };
+        let word = if is_playing { "Stop" } else { "Play" };
         let play = theme::primary(ui, word, moves > 0 && !is_recording);
         let play = ui.add_enabled(moves > 0, play.min_size(egui::vec2(PLAY, 0.0)));
         play.widget_info(|| {
-            let name = if is_playing { "End replay" } else { "Play the recording" };
+            let name = if is_playing { "Stop the replay" } else { "Play the recording" };
             egui::WidgetInfo::labeled(egui::Role::Button, moves > 0, name)
         });
         let help =

@@ -89,7 +89,7 @@ fn fields(
             }
             WishKind::Profile => {
                 ui.vertical(|ui| {
-                    ui.label(RichText::new("Or of a file").small().color(theme::palette(ui).weak));
+                    ui.label(RichText::new("From file").small().color(theme::palette(ui).weak));
                     // As wide as the field that another kind has in its place.
                     let open = egui::Button::new("Open profile…").min_size(vec2(FIELD + EDGES, 0.0));
                     let open = ui.add(open);
@@ -125,7 +125,7 @@ const BRUSH_HELP: &str = "Draw the wanted amplitude over the envelope of the sta
 /// The switch of the stage's brush.
 fn brush(ui: &mut egui::Ui, scene: &Scene<'_>, brush: &mut Brush, intents: &mut Intents) {
     ui.vertical(|ui| {
-        ui.label(RichText::new("By hand").small().color(theme::palette(ui).weak));
+        ui.label(RichText::new("Draw").small().color(theme::palette(ui).weak));
         let button = egui::Button::selectable(brush.is_taken, "Brush").frame(true);
         // Heights have no measure without the plate's table.
         let button = ui.add_enabled(scene.full_peak_m.is_some(), button);

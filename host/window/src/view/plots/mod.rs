@@ -107,7 +107,7 @@ fn hold(ui: &mut egui::Ui, held: &mut Option<Vec<[f64; 2]>>, now: impl FnOnce() 
 
 /// The button that holds all plots and the wave; `name` is the plot's that it belongs to.
 pub(crate) fn pause(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents) {
-    let word = if scene.settings.animate { "Pause" } else { "Go on" };
+    let word = if scene.settings.animate { "Pause" } else { "Resume" };
     let pause = ui.small_button(word);
     pause.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{word}: {name}")));
     pause

@@ -52,7 +52,7 @@ pub(super) fn show(
     let place = Rect::from_min_size(over.min + vec2(6.0, 2.0), vec2(END, HANDLE));
     let end = ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
         // With a click alone the canvas under it would take the drag, and draw.
-        ui.add_sized(place.size(), Button::new("End drawing").sense(Sense::click_and_drag()))
+        ui.add_sized(place.size(), Button::new("Done").sense(Sense::click_and_drag()))
     });
     if end.inner.on_hover_text(END_HELP).clicked() {
         *brush = Brush::default();

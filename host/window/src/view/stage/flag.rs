@@ -20,9 +20,9 @@ pub(super) fn flag_of(scene: &Scene<'_>, line: &Line, is_held: bool) -> Option<[
     let position_m = scene.setup.tone(line.slot)?.position_m;
     let frequency_hz = plate.frequency_for_boundary_hz(position_m);
     let (place, frequency) = (show_place(line.place_m), show_frequency(frequency_hz));
-    let edge = || format!("   edge {:.0} mm", plate.edge_width_m(frequency_hz).unwrap_or(f64::NAN) * 1e3);
+    let edge = || format!("   fall-off {:.0} mm", plate.edge_width_m(frequency_hz).unwrap_or(f64::NAN) * 1e3);
     let (place, edge, why) = match line.holds {
-        Holds::FeltEdge => (format!("felt edge {place}"), edge(), String::new()),
+        Holds::FeltEdge => (format!("felt to {place}"), edge(), String::new()),
         Holds::TurningPoint => (format!("turning point {place}"), edge(), String::new()),
         Holds::PlateEnd => ("felt to the plate's end".to_owned(), String::new(), String::new()),
         Holds::Unfelt(why) => {

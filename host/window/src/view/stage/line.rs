@@ -36,9 +36,13 @@ pub(super) fn show(
     let form = Form::of(scene, is_selected);
     let rows = form.rows(layout);
     let id = ui.scope_id().with(("handle", slot));
-    let response = ui
-        .interact(Rect::from_x_y_ranges(column, rows), id, Sense::click_and_drag())
-        .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+    let is_locked = scene.is_measured_now();
+    let response = ui.interact(Rect::from_x_y_ranges(column, rows), id, Sense::click_and_drag());
+    let response = response.on_hover_and_drag_cursor(if is_locked {
+        CursorIcon::NotAllowed
+    } else {
+        CursorIcon::ResizeHorizontal
+    });
     let is_held = scene.grab.is_some_and(|grab| grab.held == Dragged::Tone(slot));
     let name = handle_name(scene, slot);
     response.widget_info(|| egui::WidgetInfo::slider(true, line.place_m * 1e3, &name));
@@ -49,11 +53,10 @@ pub(super) fn show(
     {
         response.request_focus();
         intents.push(Intent::Select(slot));
-        intents.push(Intent::Grab(Grab {
-            held: Dragged::Tone(slot),
-            axis: layout.axis,
-            offset: pointer.x - x,
-        }));
+        if !is_locked {
+            let offset = pointer.x - x;
+            intents.push(Intent::Grab(Grab { held: Dragged::Tone(slot), axis: layout.axis, offset }));
+        }
     }
     if is_selected && std::mem::take(&mut view.begins_by_tab) {
         response.request_focus();

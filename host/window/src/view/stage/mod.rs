@@ -57,14 +57,18 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     }
     grid(ui, scene, &layout);
     plate::show(ui, scene, &layout.axis, layout.plate);
-    if view.is_designing() && scene.settings.show_panel {
-        sketch::show(ui, scene, &mut view.sketched, &layout.axis, layout.plate);
-    }
+    let is_sketched = view.is_designing()
+        && scene.settings.show_panel
+        && sketch::show(ui, scene, &mut view.sketched, &layout.axis, layout.plate);
     // Below what explains itself under the pointer.
     press::show(ui, scene, &layout, &mut view.pressing, intents);
     track::show(ui, scene, &layout, intents);
     envelope::show(ui, scene, &layout.axis, layout.envelope);
     felt_strip::show(ui, scene, &layout.axis, layout.strip);
+    if is_sketched {
+        sketch::cover(ui, &layout.axis, layout.envelope, "Use this plate to see its curve");
+        sketch::cover(ui, &layout.axis, layout.strip, "");
+    }
     place_scale(ui, scene, &layout);
     let drawn = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.envelope.bottom());
     let marks =

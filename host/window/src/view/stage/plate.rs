@@ -130,6 +130,9 @@ fn button_width(ui: &egui::Ui, name: &str) -> f32 {
 
 /// The meaning of the plate's colours, and the slow-motion factor.
 fn drawn(scene: &Scene<'_>) -> String {
+    if scene.is_measured_now() {
+        return "being measured".to_owned();
+    }
     let Some(steady) = scene.sounding else {
         let is_driving = scene.snapshot.drive.status.is_some_and(|status| status.state == State::Driving);
         return if is_driving { "waits for its table" } else { "at rest" }.to_owned();
@@ -140,7 +143,7 @@ fn drawn(scene: &Scene<'_>) -> String {
         (None, None) => "modal lines",
     };
     if scene.settings.show_amplitude {
-        return format!("{source}, largest");
+        return format!("{source}, maximum over time");
     }
     let paused = if scene.settings.animate { "" } else { ", paused" };
     let slower = slow_factor(steady) / scene.settings.speed;

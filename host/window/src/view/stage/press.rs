@@ -21,8 +21,8 @@ const HELD_S: f64 = 0.25;
 /// The pointer shows the place to those who see it; this text is for those who do not.
 const PLATE_HELP: &str = "The plate and its wave, the driven end at the left. A press moves the selected tone's line to that \
     place, a double click adds a tone there";
-const ENVELOPE_HELP: &str = "How far each place of the plate moves at most: predicted as a line, the actual plate as rings, a \
-    secret one at the level of the line. \
+const ENVELOPE_HELP: &str = "How far each place of the plate moves at most: predicted as a line, the actual plate as rings, a hidden \
+    test plate at the level of the line. \
     A press moves the selected tone's line to that \
     place, a double click adds a tone there";
 
@@ -49,6 +49,10 @@ pub(super) fn show(
         // Not by the keyboard, which moves the line itself.
         let response = ui.interact(over, ui.scope_id().with(name), Sense::CLICK | Sense::DRAG);
         theme::describe(&response, name, help);
+        if scene.is_measured_now() {
+            pressing.waits = None;
+            continue;
+        }
         take(ui, &response, scene, layout, pressing, intents);
     }
     let is_down = ui.input(|input| input.pointer.primary_down());

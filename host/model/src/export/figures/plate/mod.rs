@@ -43,7 +43,7 @@ pub struct Subject {
     /// The sheet, if the wave is taken from it.
     pub sheet: Option<Frame>,
     /// The envelope of the simulated plate.
-    pub measured: Option<Rings>,
+    pub measured: Option<Rings<'static>>,
     /// The table's peak at level 1, in metres.
     pub full_peak_m: f64,
     /// The factor by which the screen shows displacements larger than to the table's full scale; 1 where it does not.

@@ -26,14 +26,14 @@ pub(super) fn show(
         ui,
         format!(
             "The file of the plate is \"{name}\". The response of one sensor at two places gives its wave speed, its \
-             loss and the gain of the drive. It takes some minutes, and you need a sensor and a rule."
+             loss and the gain of the drive. It takes some minutes, and you need a sensor and a ruler."
         ),
     );
     ui.add_space(4.0);
     let mut ask =
         |calipers: Option<Calipers>| intents.push(Intent::Calibrate(CalibrateIntent::Calipers(calipers)));
     let mut is_measured = calibration.calipers().is_some();
-    let switch = ui.checkbox(&mut is_measured, "Its widths and length are measured by calipers");
+    let switch = ui.checkbox(&mut is_measured, "I measured width and length with calipers");
     if switch.on_hover_text("Otherwise they are those of the file, to 0.3 % and 0.4 %").changed() {
         ask(is_measured.then(|| calibration.calipers_of_file()));
     }

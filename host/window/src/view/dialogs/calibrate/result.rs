@@ -15,7 +15,7 @@ use slipline_plate::quantity::{Form as _, show_place};
 pub(super) fn show(ui: &mut egui::Ui, shown: &CalibrateScene<'_>, intents: &mut Intents) {
     match shown.result {
         None => {
-            wrapped(ui, "The plate is being fitted to what the sensor answered…");
+            wrapped(ui, "The plate is being fitted to the measured response…");
             if let Some(share) = shown.progress {
                 ui.add(egui::ProgressBar::new(share).desired_height(8.0));
             }
@@ -38,7 +38,7 @@ fn why_not(ui: &mut egui::Ui, refused: &Refused, intents: &mut Intents) {
         Remedy::Page(step) => (format!("Back to page {}", step.number()), CalibrateIntent::Page(step)),
     };
     let help = ui.add(theme::primary(ui, &name, true));
-    help.on_hover_text("Do what the text above proposes; your entries stay")
+    help.on_hover_text("Apply the proposed remedy; your entries stay")
         .asks(intents, Intent::Calibrate(intent));
 }
 
@@ -59,7 +59,7 @@ fn accepted(ui: &mut egui::Ui, found: &CalibrationResult) {
         [name.into(), RichText::new(before).color(palette.wrong), RichText::new(after).color(palette.good)]
     };
     grid("calibration errors").show(ui, |ui| {
-        row(ui, ["", "with the file, at most", "calibrated, 95 %, at most"].map(weak));
+        row(ui, ["", "before", "after (95 %)"].map(weak));
         let after = format!("±{}", millimetres(calibrated.boundary_tolerance_m));
         row(ui, off("Boundary off by", millimetres(found.before.boundary_m), after));
         if has_level {
@@ -83,7 +83,7 @@ fn accepted(ui: &mut egui::Ui, found: &CalibrationResult) {
     let chi2 = with_decimals(calibrated.chi2_per_n, 2);
     let note = calibrated.misfit_note();
     let text =
-        format!("χ² per answer is {chi2}: about 1 where the model misses no more than the noise. {note}");
+        format!("Reduced chi-square is {chi2}: about 1 where the model misses no more than the noise. {note}");
     wrapped(ui, weak(&text));
 }
 

@@ -35,8 +35,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
     response.on_hover_text("How much of its input the sensor fills now, from -72 to 0 dB");
     lines(ui, format!("The sensor now: {sentence}"), ink, LINES);
     if scene.hold.has_rig {
-        let tap = ui.button("Tap on the simulated plate");
-        tap.on_hover_text("Knocks at its driven end for half a second, to see what the sensor shows")
+        let tap = ui.button("Tap the simulated plate");
+        tap.on_hover_text("Taps its driven end for half a second, to see the sensor's signal")
             .asks(intents, Intent::Measure(MeasureIntent::Tap));
     }
 }

@@ -159,8 +159,7 @@ impl<'a> Form<'a> {
         let materials = material_names().map(|name| (name, name));
         let help = "What the sheet is made of: its stiffness, density and loss are known";
         self.choice(ui, "Material", (draft.material, help), materials, |draft, name| {
-            draft.material = name;
-            draft.loss_factor = None;
+            *draft = draft.clone().of_material(name);
         });
         let hint = format!("The sheet's thickness, {}", lengths(limits::THICKNESS));
         self.length(ui, "model.thickness_m", hint, |draft| &mut draft.thickness_m);

@@ -14,8 +14,15 @@ const POINTS: usize = 61;
 /// How much of the present plate's colours is covered.
 const COVER: f32 = 0.8;
 
-/// Draws the design in the plate's rectangle, to the scale of the axis, or smaller where it would not fit.
-pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, sketched: &mut Sketched, axis: &Axis, rect: Rect) {
+/// Draws the design in the plate's rectangle, to the scale of the axis, or smaller where it would not fit. Returns whether there
+/// is one.
+pub(crate) fn show(
+    ui: &egui::Ui,
+    scene: &Scene<'_>,
+    sketched: &mut Sketched,
+    axis: &Axis,
+    rect: Rect,
+) -> bool {
     match &scene.background.design {
         DesignState::Ready(designed) => *sketched = designed.result.as_ref().ok().cloned(),
         DesignState::Making => {}
@@ -23,7 +30,7 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, sketched: &mut Sketched, ax
     }
     let Some(design) = sketched.as_deref().filter(|design| design.plate.spec() != scene.setup.plate.spec())
     else {
-        return;
+        return false;
     };
     let palette = theme::palette(ui);
     let plate = &design.plate;
@@ -61,6 +68,16 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, sketched: &mut Sketched, ax
     painter.text(place, Align2::LEFT_TOP, &words, FontId::proportional(12.5), palette.accent);
     let seen = ui.interact(rect, ui.scope_id().with("design"), Sense::hover());
     seen.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
+    true
+}
+
+/// Covers a view of the present plate, which is not that of the drawn one.
+pub(crate) fn cover(ui: &egui::Ui, axis: &Axis, rect: Rect, words: &str) {
+    let palette = theme::palette(ui);
+    let over = axis.over_plate(rect);
+    let painter = ui.painter().with_clip_rect(rect.expand(2.0));
+    painter.rect_filled(over, CornerRadius::ZERO, palette.page.gamma_multiply(COVER));
+    painter.text(over.center(), Align2::CENTER_CENTER, words, FontId::proportional(12.5), palette.weak);
 }
 
 /// What is drawn, and that it is not loaded.
