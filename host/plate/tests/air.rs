@@ -5,7 +5,7 @@ use slipline_plate::check::{Checker, Colour, Conditions};
 use slipline_plate::design::{Edge, Material, Request, Wave, design};
 use slipline_plate::{
     Air, AirMounting, DriveTable, Equation, Faces, Gas, LineError, Model, Plate, PlateSpec, Progress, Sheet,
-    SheetError, SheetGrid, TimeDomainLine, preset, presets, reflection, respond, respond_range,
+    SheetError, SheetGrid, TimeDomainLine, plane, preset, presets, reflection, respond, respond_range,
 };
 use std::f64::consts::TAU;
 
@@ -297,6 +297,43 @@ fn the_light_says_how_many_millimetres_of_air_are_missing_and_how_many_are_count
     assert!(light(&preset("al-bending").expect("a preset"), 0.24).value.expect("mm") < 0.03);
     assert_eq!(light(&preset("al-sh").expect("a preset"), 0.3).value, None);
     assert_eq!(light(&preset("paper-rubber").expect("a preset"), 0.1).colour, Colour::Unchecked);
+}
+
+#[test]
+fn the_light_of_a_membrane_lighter_than_its_air_says_what_two_dimensions_say() {
+    let still = preset("latex-membrane").expect("a preset").in_vacuum();
+    let lighter = |density: f64, speed: f64| {
+        let mut spec = with_air(&still, baffle()).spec().clone();
+        let tension = density * speed * speed;
+        spec.model =
+            Model::Membrane { wave_speed_m_per_s: speed, tension_n_per_m: Some(tension), film: None };
+        Plate::new(spec).expect("valid")
+    };
+    // How far the peak in two dimensions is from the law's, mm.
+    let off_mm = |plate: &Plate, x: f64| {
+        let hz = plate.frequency_for_boundary_hz(x);
+        let by_law = respond(plate, hz, 513, Equation::Corrected).expect("enters");
+        let in_two = plane::respond(plate, hz, 513, &plane::Setup::of(plate)).expect("solves");
+        let shift_m = plane::Comparison::of(&by_law, &in_two).peak_shift_m;
+        println!("{x} at {hz} Hz: {shift_m:?} {:?} {:?}", by_law.peak, in_two.peak);
+        1e3 * shift_m.unwrap_or(0.0)
+    };
+    for (density, speed) in [(0.05, 25.0), (0.12, 18.0), (0.03, 30.0)] {
+        let plate = lighter(density, speed);
+        let checker = Checker::new(&plate, Conditions::default()).expect("checks");
+        let report = checker.at(0.08).expect("on it");
+        let found = report.light("air").expect("a light");
+        let off = off_mm(&plate, 0.08).abs();
+        println!("{density} {speed}: {off} {:?} {}", found.value, found.sentence);
+        assert!(
+            found.value.expect("a number") >= off - 0.1 && found.colour == Colour::Amber,
+            "{density}: {found:?}"
+        );
+    }
+    // The presets' own membranes have the law's light.
+    let heavier = Checker::new(&lighter(0.278, 12.0), Conditions::default()).expect("checks").at(0.08);
+    let heavier = heavier.expect("on it").light("air").expect("a light").clone();
+    assert!(heavier.sentence.contains("mm of it are open"), "{}", heavier.sentence);
 }
 
 #[test]

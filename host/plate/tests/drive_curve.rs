@@ -292,6 +292,48 @@ fn a_calibration_with_noise_has_a_line_and_an_answer_near_its_curve() {
     }
 }
 
+/// The correction of a plate whose source reflects the share `reflected` of what returns: a comb of resonances.
+fn comb(plate: &Plate, reflected: f64, resonances: f64) -> ResponseCurve {
+    let (low_hz, high_hz) = band_hz(plate);
+    let point = |i: usize| {
+        let share = i as f64 / 149.0;
+        let turn = Complex64::cis(TAU * resonances * share);
+        [low_hz * (high_hz / low_hz).powf(share), -decibels((1.0 - reflected * turn).norm()), 0.0]
+    };
+    ResponseCurve { points: (0..150).map(point).collect() }
+}
+
+#[test]
+fn calibrations_of_resonant_plates_have_a_time_domain() {
+    let file = include_str!("cases/clamped_calibrated.toml");
+    let clamped = Plate::from_toml(file).expect("a plate of glass, calibrated");
+    let bending = preset("al-bending").expect("a preset");
+    let held = nominal(CLAMPED);
+    for (name, plate, most_db) in [
+        ("glass", clamped, 0.3),
+        ("al-bending", calibrated(&bending, comb(&bending, 0.3, 20.0)), 0.3),
+        ("clamped", calibrated(&held, comb(&held, 0.3, 24.0)), 0.3),
+    ] {
+        let mut line =
+            TimeDomainLine::new(&plate, 400e3, 129).unwrap_or_else(|error| panic!("{name}: {error}"));
+        println!("{name}: settles in {} s, late by {} s", line.settle_time_s(), line.latency_s());
+        for hz in frequencies_hz(&plate).skip(1).step_by(2) {
+            line.rest();
+            let (settle, measured) = ((line.settle_time_s() * 400e3) as usize, (20.0 * 400e3 / hz) as usize);
+            let code = |n: usize| (TAU * (hz * n as f64 / 400e3).fract()).cos() as f32;
+            line.push(&(0..settle).map(code).collect::<Vec<f32>>());
+            line.reset_envelope();
+            line.push(&(settle..settle + measured).map(code).collect::<Vec<f32>>());
+            let exact = exact_m(&plate, hz, 400e3, 129);
+            let top = (0..129).max_by(|&a, &b| exact[a].norm().total_cmp(&exact[b].norm())).expect("some");
+            let found = std::f64::consts::SQRT_2 * f64::from(line.envelope().rms_m()[top]);
+            let error = decibels(found / exact[top].norm());
+            println!("{name} {hz} Hz: {error} dB");
+            assert!(error.abs() < most_db, "{name} {hz} Hz: {error} dB");
+        }
+    }
+}
+
 #[test]
 fn a_curve_that_no_filter_has_is_refused_by_its_field() {
     let nominal = preset("membrane").expect("a preset");

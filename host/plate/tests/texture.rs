@@ -85,17 +85,18 @@ fn the_tones_fit_the_dac_together() {
 
 #[test]
 fn no_two_tones_beat_so_slowly_that_the_area_comes_and_goes() {
-    for (name, least_hz) in [("membrane", 5.0), ("al-bending", 1000.0), ("al-bending-displacement", 5.0)] {
+    for name in ["membrane", "al-bending", "al-bending-displacement"] {
         let plate = preset(name).expect("a preset");
         let table = DriveTable::build(&plate, SAMPLE_RATE_HZ, 257).expect("has a table");
         let palette = Palette::new(&plate, &table);
         let (start_m, end_m) = plate.span_m();
         for share in [0.5, 0.7, 0.9] {
-            let (texture, _) = solid(&palette, start_m + share * (end_m - start_m), 16);
-            for pair in texture.tones.windows(2) {
+            let (texture, target) = solid(&palette, start_m + share * (end_m - start_m), 16);
+            let chord = texture.on_grid(&palette, &target).expect("answers").expect("has multiples").texture;
+            for pair in texture.tones.windows(2).chain(chord.tones.windows(2)) {
                 let beat_hz = pair[1].frequency_hz - pair[0].frequency_hz;
-                let least_hz = if pair[0].frequency_hz < 20e3 { least_hz } else { 1000.0 };
-                assert!(beat_hz >= least_hz, "{name} {share}: {beat_hz} Hz");
+                let least_hz = if pair[1].frequency_hz < 20e3 { 5.0 } else { 1000.0 };
+                assert!(beat_hz >= least_hz - 1e-6, "{name} {share}: {beat_hz} Hz below {:?}", pair[1]);
             }
         }
     }
@@ -284,20 +285,44 @@ fn a_texture_on_the_grid_of_a_chord_is_louder_and_reports_the_cost_of_the_grid()
     }
 }
 
+/// Equal stripes with nodes of zero amplitude are felt (1 + S)/(1 - S) deep, S = sin(pi c/d)/(pi c/d).
+fn equal_stripes_felt_db(stripes_m: f64, contact_m: f64) -> f64 {
+    let angle = TAU / 2.0 * contact_m / stripes_m;
+    let left = (angle.sin() / angle).abs();
+    10.0 * ((1.0 + left) / (1.0 - left)).log10()
+}
+
 #[test]
-fn stripes_are_felt_as_deep_as_the_mean_square_under_the_contact_says() {
-    assert!((stripes_felt_db(0.015, 0.01) - 3.8).abs() < 0.05, "{}", stripes_felt_db(0.015, 0.01));
-    assert!(stripes_felt_db(0.01, 0.01) < 1e-9 && stripes_felt_db(0.015, 0.0) == f64::INFINITY);
-    // A wave with zero amplitude at its nodes, under contacts of several lengths, by sums.
-    for (stripes_m, contact_m) in [(0.015, 0.01), (0.05, 0.01), (0.012, 0.016)] {
-        let under = |middle_m: f64| -> f64 {
-            let wave =
-                |i: usize| TAU / 2.0 * (middle_m + contact_m * ((i as f64 + 0.5) / 1000.0 - 0.5)) / stripes_m;
-            (0..1000).map(|i| wave(i).sin().powi(2)).sum::<f64>() / 1000.0
-        };
-        let (on, between) = (under(0.5 * stripes_m), under(0.0));
-        let felt_db = 10.0 * (on / between).log10().abs();
-        assert!((felt_db - stripes_felt_db(stripes_m, contact_m)).abs() < 1e-3, "{felt_db}");
+fn stripes_are_felt_as_deep_as_the_plate_makes_them() {
+    let (plate, table) = membrane();
+    let palette = Palette::new(&plate, &table);
+    let felt_db = |plate: &Plate, tone: &TextureTone, contact_m: f64| {
+        let feeling = Feeling { contact_m, ..Feeling::default() };
+        stripes_felt_db(plate, tone, &feeling).expect("answers")
+    };
+    // Two stripes, the nearer one at the driven end: equal stripes would be felt 16.4 dB deep.
+    let wide = stripes(&palette, 0.06).expect("in range");
+    let found_db = felt_db(&plate, &wide, 0.01);
+    assert!((found_db - 11.4).abs() < 0.3, "{found_db}");
+    assert!((equal_stripes_felt_db(0.06, 0.01) - 16.4).abs() < 0.05);
+    for stripes_m in [0.05, 0.045] {
+        let tone = stripes(&palette, stripes_m).expect("in range");
+        println!("{stripes_m}: {} {}", felt_db(&plate, &tone, 0.01), equal_stripes_felt_db(stripes_m, 0.01));
+    }
+    // A plate that is moved by its end and loses next to nothing has nodes of zero amplitude; its stripes differ by little where
+    // there are many of them.
+    let moved = preset("al-bending-displacement").expect("a preset");
+    let moved = Plate::new(PlateSpec { loss_factor: 1e-5, ..moved.spec().clone() }).expect("valid");
+    let table = DriveTable::build(&moved, SAMPLE_RATE_HZ, 257).expect("has a table");
+    let palette = Palette::new(&moved, &table);
+    for stripes_m in [0.02, 0.018, 0.016] {
+        let tone = stripes(&palette, stripes_m).expect("in range");
+        for contact_m in [0.005, 0.01] {
+            let (found_db, equal_db) =
+                (felt_db(&moved, &tone, contact_m), equal_stripes_felt_db(stripes_m, contact_m));
+            println!("{stripes_m} {contact_m}: {found_db} {equal_db}");
+            assert!((found_db - equal_db).abs() < 1.0, "{stripes_m} {contact_m}: {found_db} {equal_db}");
+        }
     }
 }
 
@@ -364,6 +389,12 @@ fn a_solid_area_flutters_as_the_plate_in_time_does() {
         assert!((0.4..0.9).contains(&texture.figures.ripple_db.expect("solid")), "{:?}", texture.figures);
         assert!((5.8..7.2).contains(&flutter.swing_db), "{turning_point_m}: {flutter:?}");
         assert!((21.0..23.0).contains(&flutter.frequency_hz), "{turning_point_m}: {flutter:?}");
-        assert!(swings[0] > 3.6 && swings[swings.len() - 1] < 13.4, "{turning_point_m}: {swings:?}");
+        let largest = swings[swings.len() - 1];
+        assert!(swings[0] > 3.6 && largest < 13.4, "{turning_point_m}: {swings:?}");
+        // The place where it swings farthest is stated as well as the median; another second of the beats may have it farther.
+        println!("{turning_point_m}: {largest} {flutter:?}");
+        let stated_db = flutter.largest_db;
+        assert!((largest - 1.0..18.0).contains(&stated_db), "{turning_point_m}: {largest} {flutter:?}");
+        assert!(stated_db > median + 2.0 && (0.01..turning_point_m).contains(&flutter.largest_at_m));
     }
 }

@@ -206,9 +206,11 @@ fn lines(
         let by_person = rest.as_ref().and_then(|rest| by_person_words(rest.by_person?));
         lines.extend(by_person.map(|words| ("Felt to", words)));
         let flutter = rest.as_ref().and_then(|rest| rest.flutter);
-        lines.extend(flutter.map(|Flutter { swing_db, frequency_hz }| {
+        lines.extend(flutter.map(|Flutter { swing_db, largest_db, largest_at_m, frequency_hz }| {
             let (swing, beat) = (decibel(swing_db), show_frequency(frequency_hz));
-            ("Flutter", format!("{swing} at about {beat}: its RMS over 30 ms, within a second"))
+            let (largest, place) = (decibel(largest_db), show_place(largest_at_m));
+            let what = format!("{swing} at about {beat}, up to {largest} at {place}");
+            ("Flutter", format!("{what}: its RMS over 30 ms, within a second"))
         }));
         lines.extend(three(|figures| figures.contrast_db).map(|text| ("Contrast", text)));
         let largest_m = texture.rms_m.iter().copied().fold(0.0, f64::max);

@@ -43,6 +43,7 @@ impl Remedy {
             | CalibrateError::NoFit
             | CalibrateError::Unlike { .. }
             | CalibrateError::NoAir { .. }
+            | CalibrateError::OtherAir { .. }
             | CalibrateError::EdgesUnlike { .. }
             | CalibrateError::AnotherPlate { .. }
             | CalibrateError::ImplausibleFeeling { .. }

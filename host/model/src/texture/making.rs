@@ -132,7 +132,7 @@ pub fn make(
         Wish::Stripes(distance_m) => {
             let tone = stripes(palette, distance_m)?;
             let stripes_m = stripes_m(palette.plate(), tone.frequency_hz);
-            let stripes_felt_db = stripes_m.map(|stripes_m| stripes_felt_db(stripes_m, feeling.contact_m));
+            let stripes_felt_db = Some(stripes_felt_db(palette.plate(), &tone, feeling)?);
             Ok(Made { stripes_m, stripes_felt_db, ..plain(vec![tone]) })
         }
         Wish::Beat { place_m, beat_hz } => {

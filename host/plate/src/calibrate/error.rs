@@ -1,6 +1,6 @@
 //! Why no calibration was made.
 
-use crate::definition::PlateError;
+use crate::definition::{Faces, PlateError};
 use crate::quantity::number_format::significant;
 use crate::quantity::{OutOfRange, WrongCount, show_frequency, show_length, show_place};
 use crate::table::TableError;
@@ -83,6 +83,14 @@ pub enum CalibrateError {
     NoAir {
         /// How far the air that fits moves the peaks of the span, the most, metres.
         shift_m: f64,
+    },
+    /// The plate fits in other air than the file's much better.
+    #[error("what the sensors show does not fit this plate in the air of its file (chi^2 is {} per answer), but much better {}", significant(*.chi2_per_n, 2), fitting_air(*.faces))]
+    OtherAir {
+        /// Sum of the squared residuals over their number, in the air of the file.
+        chi2_per_n: f64,
+        /// The faces in air with which it fits; `None` where it fits with a coefficient between a bare frame and a baffle.
+        faces: Option<Faces>,
     },
     /// The fit is better with the two places exchanged.
     #[error("the two measurements seem to be exchanged: they fit the sensor at {} and {} the other way round", show_place(*.first_m), show_place(*.second_m))]
@@ -213,4 +221,13 @@ pub enum CalibrateError {
         /// Wave speeds over the file's.
         shares: [f64; 2],
     },
+}
+
+/// The air in which a plate fits, and what to state in its file.
+fn fitting_air(faces: Option<Faces>) -> &'static str {
+    match faces {
+        Some(Faces::One) => "with air on one face: if the other has none, state faces = 1 in [air]",
+        Some(Faces::Two) => "with air on both faces: if both have it, state faces = 2 in [air]",
+        None => "in another frame: state mounting = \"unknown\" in [air]",
+    }
 }

@@ -118,7 +118,7 @@ pub enum AirMounting {
 }
 
 /// The faces of a plate that have air.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Faces {
     /// One of them; the other has a vacuum or a light foam that holds no air.
     One,
@@ -161,6 +161,33 @@ impl AirMounting {
         }
     }
 
+    /// The same with the other number of faces in air; `None` where it is no field of the file.
+    pub(crate) const fn on_other_faces(self) -> Option<Self> {
+        match self {
+            Self::Baffle { faces } => Some(Self::Baffle { faces: faces.other() }),
+            Self::Coefficient { alpha, faces } => Some(Self::Coefficient { alpha, faces: faces.other() }),
+            Self::Calibrated { .. } | Self::BareFrame | Self::Unknown => None,
+        }
+    }
+
+    /// An unknown mounting where this one is stated in words.
+    pub(crate) const fn as_unknown(self) -> Option<Self> {
+        match self {
+            Self::Baffle { .. } | Self::BareFrame => Some(Self::Unknown),
+            Self::Coefficient { .. } | Self::Calibrated { .. } | Self::Unknown => None,
+        }
+    }
+
+    /// The faces in air that the file states.
+    pub(crate) const fn stated_faces(self) -> Option<Faces> {
+        match self {
+            Self::Baffle { faces } | Self::Coefficient { faces, .. } | Self::Calibrated { faces, .. } => {
+                Some(faces)
+            }
+            Self::BareFrame | Self::Unknown => None,
+        }
+    }
+
     /// The share of the pressure at a distance, see `frequency/far_air.rs`.
     pub(crate) const fn distant(self) -> f64 {
         match self {
@@ -188,6 +215,13 @@ impl Faces {
         match self {
             Self::One => 1.0,
             Self::Two => 2.0,
+        }
+    }
+
+    const fn other(self) -> Self {
+        match self {
+            Self::One => Self::Two,
+            Self::Two => Self::One,
         }
     }
 }

@@ -182,7 +182,8 @@ impl Texture {
     }
 }
 
-/// Least distance of the next tone above a tone of this frequency, Hz.
+/// Least distance of the next tone below a tone of this frequency, Hz. The friction knows no limit at 20 kHz: a tone right below
+/// beats with one above as two above do.
 pub(super) fn least_beat_hz(frequency_hz: f64) -> f64 {
     if frequency_hz < SLIPPERY_FROM_HZ { BEAT_OF_VIBRATIONS_HZ } else { BEAT_OF_ULTRASOUND_HZ }
 }
@@ -203,7 +204,7 @@ fn parted_m(palette: &Palette<'_>, sounding: &[(f64, f64)]) -> Vec<f64> {
     for &(place_m, power) in sounding {
         if let Some((last_m, last_power)) = parted.last_mut() {
             let (low_hz, high_hz) = (table.frequency_hz(*last_m), table.frequency_hz(place_m));
-            if high_hz - low_hz < least_beat_hz(low_hz) {
+            if high_hz - low_hz < least_beat_hz(high_hz) {
                 let sum = *last_power + power;
                 *last_m = (*last_m * *last_power + place_m * power) / sum;
                 *last_power = sum;

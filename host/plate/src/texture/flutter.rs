@@ -18,9 +18,10 @@ use std::f64::consts::TAU;
 /// Window of the RMS, seconds. A shorter burst of vibration is felt as a pulse, at any frequency from 40 to 590 Hz (B.
 /// Remache-Vinueza, A. Trujillo-Leon and F. Vidal-Verdu, Sci. Rep. 15, 5057, 2025).
 pub const FLUTTER_WINDOW_S: f64 = 0.03;
-/// Time over which the area is evaluated, seconds, and the number of moments in it.
-const WATCHED_S: f64 = 1.0;
+/// Moments of a second at which the area is evaluated, and the seconds over which its largest swing is: beats that do not repeat
+/// within a second meet later.
 const MOMENTS: usize = 400;
+const SECONDS: usize = 4;
 
 /// Depth and frequency of the swing of a solid area's RMS amplitude.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -28,6 +29,10 @@ pub struct Flutter {
     /// Ratio of the largest to the smallest RMS over 30 ms within a second, dB: the median over the places of the even
     /// area.
     pub swing_db: f64,
+    /// The same at the place and in the second, of four, where it is largest, dB: at a node of the louder tones the others beat alone.
+    pub largest_db: f64,
+    /// That place, metres from the driven end.
+    pub largest_at_m: f64,
     /// Mean frequency of the swing, with each beat weighted by its power, Hz; 0 for a single tone.
     pub frequency_hz: f64,
 }
@@ -47,19 +52,36 @@ impl Texture {
             self.tones.iter().map(|tone| tone.level * Complex64::cis(-TAU * tone.phase_turns)).collect();
         let beats = Beats::of(&frequencies);
         let area = self.places_m.iter().enumerate().filter(|(_, x)| even.contains(x));
-        let places: Vec<Flutter> = area
-            .map(|(place, _)| {
+        let places: Vec<(f64, Swing)> = area
+            .map(|(place, &place_m)| {
                 let at: Vec<Complex64> = fields.iter().zip(&phasors).map(|(f, p)| f[place] * p).collect();
-                beats.flutter(&at)
+                (place_m, beats.swing(&at))
             })
             .collect();
-        let median = |value: fn(&Flutter) -> f64| {
-            let mut values: Vec<f64> = places.iter().map(value).collect();
+        let median = |value: fn(&Swing) -> f64| {
+            let mut values: Vec<f64> = places.iter().map(|(_, swing)| value(swing)).collect();
             values.sort_by(f64::total_cmp);
             values.get(values.len() / 2).copied().unwrap_or(0.0)
         };
-        Ok(Some(Flutter { swing_db: median(|it| it.swing_db), frequency_hz: median(|it| it.frequency_hz) }))
+        let (largest_at_m, largest_db) = places
+            .iter()
+            .map(|(place_m, swing)| (*place_m, swing.largest_db))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or_default();
+        Ok(Some(Flutter {
+            swing_db: median(|it| it.depth_db),
+            largest_db,
+            largest_at_m,
+            frequency_hz: median(|it| it.frequency_hz),
+        }))
     }
+}
+
+/// The swing at one place: its depth in the first second, the largest of all seconds, and its mean frequency.
+struct Swing {
+    depth_db: f64,
+    largest_db: f64,
+    frequency_hz: f64,
 }
 
 /// The beats of all pairs of tones.
@@ -84,17 +106,17 @@ impl Beats {
         let beat = |tones: (usize, usize)| {
             let frequency_hz = frequencies_hz[tones.0] - frequencies_hz[tones.1];
             let share = sinc(frequency_hz * FLUTTER_WINDOW_S);
-            let at = |moment: usize| WATCHED_S * moment as f64 / MOMENTS as f64;
+            let at = |moment: usize| moment as f64 / MOMENTS as f64;
             let turn = |moment| share * Complex64::cis(-TAU * (frequency_hz * at(moment)).fract());
-            Beat { tones, frequency_hz, share, turns: (0..MOMENTS).map(turn).collect() }
+            Beat { tones, frequency_hz, share, turns: (0..SECONDS * MOMENTS).map(turn).collect() }
         };
         Self { pairs: pairs.map(beat).collect() }
     }
 
-    /// The flutter at a place where the tones have these amplitudes.
-    fn flutter(&self, amplitudes: &[Complex64]) -> Flutter {
+    /// The swing at a place where the tones have these amplitudes.
+    fn swing(&self, amplitudes: &[Complex64]) -> Swing {
         let mean: f64 = 0.5 * amplitudes.iter().map(Complex64::norm_sqr).sum::<f64>();
-        let mut squares = vec![mean; MOMENTS];
+        let mut squares = vec![mean; SECONDS * MOMENTS];
         let (mut power, mut weighted) = (0.0, 0.0);
         for Beat { tones, frequency_hz, share, turns } in &self.pairs {
             let product = amplitudes[tones.0] * amplitudes[tones.1].conj();
@@ -105,11 +127,15 @@ impl Beats {
             power += beat;
             weighted += beat * frequency_hz;
         }
-        let (low, high) = squares
-            .iter()
-            .fold((f64::INFINITY, 0.0_f64), |(low, high), &square| (low.min(square), high.max(square)));
-        Flutter {
-            swing_db: if high > 0.0 { 10.0 * (high / low.max(f64::MIN_POSITIVE)).log10() } else { 0.0 },
+        let depth_db = |second: &[f64]| {
+            let (low, high) = second
+                .iter()
+                .fold((f64::INFINITY, 0.0_f64), |(low, high), &square| (low.min(square), high.max(square)));
+            if high > 0.0 { 10.0 * (high / low.max(f64::MIN_POSITIVE)).log10() } else { 0.0 }
+        };
+        Swing {
+            depth_db: depth_db(&squares[..MOMENTS]),
+            largest_db: squares.chunks(MOMENTS).map(depth_db).fold(0.0, f64::max),
             frequency_hz: if power > 0.0 { weighted / power } else { 0.0 },
         }
     }

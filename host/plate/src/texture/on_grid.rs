@@ -116,7 +116,7 @@ fn parted(nearest: &[u32], lowest: u32, highest: u32, base_hz: f64) -> Vec<u32> 
             parted.push(harmonic);
             continue;
         };
-        let apart = (least_beat_hz(f64::from(harmonic) * base_hz) / base_hz).ceil() as u32;
+        let apart = (least_beat_hz(f64::from(above) * base_hz) / base_hz).ceil() as u32;
         let moved = harmonic.min(above.saturating_sub(apart));
         if harmonic != above && moved >= lowest {
             parted.push(moved);
@@ -149,7 +149,9 @@ mod tests {
         assert_eq!(parted(&[860, 900, 940, 981], 700), [858, 899, 940, 981]);
         assert_eq!(parted(&[860, 901, 945], 700), [860, 901, 945]);
         // Below 20 kHz one step of 24 Hz is enough, and two tones on one multiple become one.
-        assert_eq!(parted(&[4, 4, 5, 815, 818, 825], 4), [4, 5, 815, 818, 825]);
+        assert_eq!(parted(&[4, 4, 5, 780, 783, 825], 4), [4, 5, 780, 783, 825]);
+        // A tone right below 20 kHz beats with one above: 40 multiples are too few there, too.
+        assert_eq!(parted(&[818, 858], 700), [817, 858]);
         // There is no room for the lowest; the highest becomes the table's.
         assert_eq!(parted(&[1550, 1590, 1700], 1550), [1559, 1600]);
     }

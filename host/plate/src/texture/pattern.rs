@@ -4,13 +4,16 @@ use super::error::TextureError;
 use super::fit::{HEADROOM, TextureTone};
 use super::palette::Palette;
 use crate::definition::plate::Plate;
-use crate::quantity::{OutOfRange, Range};
-use crate::special::sinc::sinc;
+use crate::feeling::Feeling;
+use crate::frequency::{Equation, respond};
+use crate::quantity::{OutOfRange, Range, decibels};
 use std::f64::consts::PI;
 
 /// Allowed beat frequencies, Hz: a finger feels them as a vibration.
 pub const BEAT_RANGE_HZ: (f64, f64) = (1.0, 1000.0);
 const HALVINGS: usize = 60;
+/// Places of the field whose stripes are felt: a contact of 10 mm on a plate of 1 m covers twenty.
+const FELT_PLACES: usize = 2001;
 
 /// Distance of the nodes of a tone halfway between the driven end and its turning point, metres: half a wavelength
 /// there. Beyond that place they are farther apart. `None` if the wave cannot enter.
@@ -20,12 +23,35 @@ pub fn stripes_m(plate: &Plate, frequency_hz: f64) -> Option<f64> {
     (squared > 0.0).then(|| PI / squared.sqrt())
 }
 
-/// Depth of stripes `stripes_m` metres apart as felt with a contact of `contact_m` metres, dB: the ratio of the largest
-/// to the smallest mean square under the contact, (1 + |S|)/(1 - |S|) with S = sin(pi c/d)/(pi c/d), for a wave whose
-/// amplitude is zero at its nodes. Infinite for a contact of zero length; 0 for a contact of a whole number of stripes.
-pub fn stripes_felt_db(stripes_m: f64, contact_m: f64) -> f64 {
-    let left = sinc(contact_m / stripes_m).abs();
-    10.0 * ((1.0 + left) / (1.0 - left)).log10()
+/// Depth of the stripes of a tone as felt in the middle of its area, dB: the mean square under the contact at the lower of two
+/// neighbouring stripes over that between them. 0 where nothing is felt between two stripes: the contact covers both, or the
+/// tone has a single one.
+///
+/// Equal stripes with nodes of zero amplitude between them would have (1 + |S|)/(1 - |S|) with S = sin(pi c/d)/(pi c/d), c the
+/// contact and d their distance. On a plate the stripes are unequal, and loss and the part of the wave that travels leave
+/// amplitude at the nodes.
+///
+/// # Errors
+/// [`TextureError::Silent`] if the plate does not respond.
+pub fn stripes_felt_db(plate: &Plate, tone: &TextureTone, feeling: &Feeling) -> Result<f64, TextureError> {
+    let field = respond(plate, tone.frequency_hz, FELT_PLACES, Equation::Corrected);
+    let field = field.map_err(|_| TextureError::Silent)?;
+    let felt = feeling.contact_amplitude(plate, &field.amplitude);
+    if !felt.iter().all(|it| it.is_finite()) {
+        return Err(TextureError::Silent);
+    }
+    let middle = 0.5 * field.turning_point_m / plate.length_m() * (FELT_PLACES - 1) as f64;
+    let is_node = |&i: &usize| felt[i] < felt[i - 1] && felt[i] <= felt[i + 1];
+    let nodes: Vec<usize> = (1..FELT_PLACES - 1).filter(is_node).collect();
+    let off = |node: usize| (node as f64 - middle).abs();
+    let nearest = (0..nodes.len()).min_by(|&a, &b| off(nodes[a]).total_cmp(&off(nodes[b])));
+    let Some(nearest) = nearest else { return Ok(0.0) };
+    let from = nearest.checked_sub(1).map_or(0, |before| nodes[before]);
+    let to = nodes.get(nearest + 1).copied().unwrap_or(FELT_PLACES - 1);
+    let highest = |of: &[f64]| of.iter().copied().fold(0.0, f64::max);
+    let node = nodes[nearest];
+    let lower = highest(&felt[from..node]).min(highest(&felt[node..=to]));
+    Ok(decibels(lower / felt[node]))
 }
 
 /// The tone whose nodes are `distance_m` metres apart in the middle of its area, as loud as possible.

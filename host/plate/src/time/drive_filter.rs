@@ -19,8 +19,9 @@ const TOLERANCE: f64 = 3e-3;
 /// Largest error, relative to the curve at the same frequency. The points of a measured curve have noise; a longer
 /// filter would follow it, at the cost of delay.
 const ERROR_MAX: f64 = 3e-2;
-/// Shortest and longest delay, in steps of the decimated drive. Each try has twice the delay of the one before.
-const DELAY: (usize, usize) = (4, 512);
+/// Shortest and longest delay, in steps of the decimated drive. Each try has twice the delay of the one before. The longest follows
+/// the calibration of a clamped plate whose source reflects: a comb of resonances, each with a corner at its top.
+const DELAY: (usize, usize) = (4, 1024);
 /// Least number of frequencies of the least squares.
 const FREQUENCIES_MIN: usize = 256;
 /// Weight of the band filter's slopes beyond the plate's band, against the band.

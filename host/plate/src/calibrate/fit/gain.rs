@@ -29,6 +29,15 @@ pub(crate) const DECIBELS: f64 = 20.0 / std::f64::consts::LN_10;
 /// Sample rate used for a source without a zero-order hold: the droop is below 1e-6 up to 50 kHz.
 const NO_HOLD_HZ: f64 = 1e8;
 
+/// Relative error of the level of a peak in air by the law of the air along a membrane: against two dimensions its peaks are up to
+/// 0.4 dB off in a baffle and 0.9 dB in a bare frame, over the span.
+const LEVEL_ERROR_IN_AIR: f64 = 0.03;
+
+/// Relative error of the one-mode equation from the sensors to the peak.
+pub(crate) fn level_error(plate: &Plate) -> f64 {
+    if plate.width_mode(1).air(plate.band_hz().0).is_some() { LEVEL_ERROR_IN_AIR } else { MODEL_ERROR }
+}
+
 /// A measured gain, carried to the peak.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Carried {
@@ -95,8 +104,9 @@ impl Levels<'_> {
         let slopes: Vec<Vec<f64>> = slopes.collect();
         let covariance = &self.fit.covariance * self.scale.powi(2);
         let is_shape = self.sensor.unit_per_response.is_none();
+        let error = level_error(self.plate);
         let deviation_db =
-            process.deviation_db(&places, &slopes, &covariance, self.plate.band_hz(), is_shape);
+            process.deviation_db(&places, &slopes, &covariance, self.plate.band_hz(), (is_shape, error));
         let deviation_db = deviation_db.ok_or(CalibrateError::NoFit)?;
         let mut points: Vec<[f64; 3]> =
             measured_hz.iter().zip(&curve).map(|(hz, at)| [*hz, DECIBELS * at, 0.0]).collect();
@@ -130,15 +140,15 @@ impl Process {
     /// frequencies), from the curve itself and from fitted coordinates with this covariance. `slopes` are the
     /// derivatives of the points' logarithms with respect to each coordinate; the curve weights them as it weights
     /// the points. Where the curve is a shape alone (`is_shape`), a common factor does not count. The model error
-    /// between the sensors and the peak is correlated over neighbouring frequencies, so no number of points averages
-    /// it out: [`MODEL_ERROR`] is added.
+    /// between the sensors and the peak ([`level_error`]) is correlated over neighbouring frequencies, so no number of points
+    /// averages it out: it is added.
     pub(crate) fn deviation_db(
         &self,
         places: &Places,
         slopes: &[Vec<f64>],
         covariance: &DMatrix<f64>,
         band_hz: (f64, f64),
-        is_shape: bool,
+        (is_shape, level_error): (bool, f64),
     ) -> Option<f64> {
         let (low, high) = (band_hz.0.ln(), band_hz.1.ln());
         let judged = (0..JUDGED).map(|i| (low + (high - low) * i as f64 / (JUDGED - 1) as f64, None));
@@ -165,7 +175,7 @@ impl Process {
             found.variances[i] + (slopes.transpose() * covariance * &slopes)[(0, 0)].max(0.0)
         };
         let largest = within.iter().map(square).fold(0.0, f64::max);
-        Some(DECIBELS * (largest + MODEL_ERROR.powi(2)).sqrt())
+        Some(DECIBELS * (largest + level_error.powi(2)).sqrt())
     }
 }
 

@@ -1,6 +1,7 @@
 //! Fisher's information of two sensors on the nominal plate: what a calibration by the ratio of their places would reach.
 
 use crate::calibrate::error::CalibrateError;
+use crate::calibrate::fit::gain::level_error;
 use crate::calibrate::fit::gaussian_process::{Places, Process};
 use crate::calibrate::fit::pairs::MODEL_ERROR;
 use crate::calibrate::fit::parameter::INTERVAL;
@@ -38,6 +39,7 @@ pub(crate) struct Information {
     /// The information about the plate's coordinates.
     deviations: Vec<f64>,
     band_hz: (f64, f64),
+    level_error: f64,
 }
 
 /// A sensor's signal at one place, as its nominal drive makes it.
@@ -113,6 +115,7 @@ impl Information {
             frequencies_hz: frequencies_hz.to_vec(),
             deviations,
             band_hz: plate.band_hz(),
+            level_error: level_error(plate),
         })
     }
 
@@ -168,7 +171,8 @@ impl Information {
         }
         let covariance = information.cholesky()?.inverse();
         let places = Places { at: self.frequencies_hz.iter().map(|hz| hz.ln()).collect(), variances };
-        let level_db = self.drive.deviation_db(&places, &slopes, &covariance, self.band_hz, true)?;
+        let level_of = (true, self.level_error);
+        let level_db = self.drive.deviation_db(&places, &slopes, &covariance, self.band_hz, level_of)?;
         let (boundary_m, _) = self.turning.deviations(&covariance);
         let nodes_m = self.nodes.deviation_m(&covariance);
         [boundary_m, level_db, nodes_m].iter().all(|it| it.is_finite()).then_some(Reached {

@@ -197,8 +197,10 @@ fn numbers(ui: &mut egui::Ui, scene: &Scene<'_>, textured: &Textured, made: &Mad
     let rest = made.fitted.as_ref().and_then(|fitted| fitted.rest.as_ref());
     if let Some(flutter) = rest.and_then(|rest| rest.flutter) {
         let swing = format!("{} at {}", decibel(flutter.swing_db), show_frequency(flutter.frequency_hz));
-        row(ui, "Flutter", swing)
-            .on_hover_text("How far its RMS over 30 ms swings within a second, by beats");
+        let (largest, place) = (decibel(flutter.largest_db), show_place(flutter.largest_at_m));
+        row(ui, "Flutter", swing).on_hover_text(format!(
+            "How far its RMS over 30 ms swings within a second, by beats: at the median place, and up to {largest} at {place}"
+        ));
     }
     if let Some(words) = rest.and_then(|rest| by_person_words(rest.by_person?)) {
         row(ui, "Felt to", words);
