@@ -25,8 +25,8 @@
 //! - `commands.rs`: the order of commands, what a stop drops, and the replies. Tests: `tests/tests/link.rs`,
 //!   `tests/tests/stopping.rs`
 //! - `channel.rs`: numbers, times out and repeats commands. Tests: `tests/tests/repeats.rs`
-//! - `request.rs`, `snapshot.rs`, `snapshot_update.rs`: what a program asks for, what it sees, and what passes to
-//!   another worker
+//! - `request.rs`, `awaited.rs`, `snapshot.rs`, `snapshot_update.rs`: what a program asks for, the outcomes that are kept for
+//!   waiting callers, what it sees, and what passes to another worker
 //! - `error.rs`, `refusal.rs`, `out_of_range.rs`: errors and refusals in words. Tests: `tests/tests/port_errors.rs`,
 //!   `tests/tests/limits.rs`
 //! - `drive.rs`, `chord.rs`, `comb.rs`, `harmonic.rs`, `hold.rs`, `listen.rs`, `table.rs`, `played.rs`, `sounding.rs`:
@@ -54,6 +54,7 @@
 // could survive a stop.
 #![warn(clippy::wildcard_enum_match_arm)]
 
+mod awaited;
 mod channel;
 mod chord;
 mod clock;
