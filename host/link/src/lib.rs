@@ -43,7 +43,7 @@
 //! - `driver_watch.rs`: notices a program that hangs. Tests: `tests/tests/driver_watch.rs`
 //! - `transport.rs`, `port.rs`, `clock.rs`, `recorder.rs`: byte stream, ports, the caller's time, and the upkeep of a snapshot
 //! - `system_words.rs`: the operating system's errors in Slipline's words
-//! - `log.rs`, `trace.rs`, `upkeep.rs`: the common log, the trace of frames, texts about maintenance
+//! - `log.rs`, `trace.rs`, `upkeep.rs`, `remedy.rs`: the common log, the trace of frames, texts about maintenance and faults
 //!
 //! Run an example of `host/link/examples/` with `cargo run -p slipline-link --example replay`.
 
@@ -85,6 +85,7 @@ mod port;
 mod recorder;
 mod rediscovery;
 mod refusal;
+mod remedy;
 mod request;
 #[cfg(feature = "simulator")]
 pub mod simulator;
@@ -114,6 +115,7 @@ pub use out_of_range::OutOfRange;
 pub use played::{Played, PlayedTone};
 pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_VENDOR};
 pub use refusal::Refusal;
+pub use remedy::remedy;
 pub use request::{Outcome, Request, Ticket};
 pub use snapshot::{
     DeviceView, DriveView, LinkCounters, LinkState, LinkView, RecordView, RoundTrip, Snapshot, TableView,

@@ -11,14 +11,15 @@ same name with ``--json``; host/JSON.md has the meaning of each.
 
 from . import study, trials
 from ._slipline import VERSION as __version__
-from ._slipline import Device, Measurement, Plate, Result, connect, design, presets
-from .errors import BadFile, Error, LinkLost, OutOfRange, Refused, Unattended
+from ._slipline import Device, Measurement, Plate, Result, connect, design, ports, presets
+from .errors import BadFile, Error, Fault, LinkLost, OutOfRange, Refused, Unattended
 from .staircase import Staircase
 
 __all__ = [
     "BadFile",
     "Device",
     "Error",
+    "Fault",
     "LinkLost",
     "Measurement",
     "OutOfRange",
@@ -30,6 +31,7 @@ __all__ = [
     "__version__",
     "connect",
     "design",
+    "ports",
     "presets",
     "study",
     "trials",

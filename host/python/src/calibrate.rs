@@ -1,5 +1,6 @@
 //! `Plate.calibrate`.
 
+use crate::arguments::items;
 use crate::error::Failure;
 use crate::feeling;
 use crate::options::Options;
@@ -21,6 +22,9 @@ use slipline_plate::calibrate::{
 };
 use slipline_plate::{Plate, Progress, limits};
 use std::sync::Arc;
+
+/// Most felt edges of a calibration.
+const TOUCHES_MAX: usize = 1000;
 
 /// Fits the plate's numbers.
 pub(crate) fn run(
@@ -86,7 +90,7 @@ fn calipers(options: &mut Options<'_>) -> PyResult<Option<Calipers>> {
 /// The felt edges of the options.
 fn touches(options: &mut Options<'_>) -> PyResult<Option<FeltEdgesRequest>> {
     let asked_and_felt_m =
-        options.take("touch")?.map(|given| given.extract::<Vec<(f64, f64)>>()).transpose()?;
+        options.take("touch")?.map(|given| items::<(f64, f64)>("touch", &given, TOUCHES_MAX)).transpose()?;
     let level = options.number("level", LEVEL)?;
     let tolerance_m = options.number("touch_tolerance", TOUCH_TOLERANCE)?;
     let known = [("as-told", TouchedDrive::AsStated), ("unknown", TouchedDrive::Unknown)];

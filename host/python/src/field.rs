@@ -1,5 +1,6 @@
 //! `Plate.respond`: the field at one frequency, or at several in flat arrays.
 
+use crate::arguments::reserved;
 use crate::error::Failure;
 use crate::plate::Plate as PyPlate;
 use crate::result::{Answer, columns, fields};
@@ -14,6 +15,9 @@ use slipline_plate::{
 };
 use std::mem::take;
 use std::sync::Arc;
+
+/// Most frequencies of one call: each has some kilobytes beside its amplitudes.
+pub(crate) const FREQUENCIES_MAX: usize = 100_000;
 
 /// The request at each frequency.
 #[derive(Clone, Copy)]
@@ -96,11 +100,8 @@ fn each(
     asked: Asked,
     progress: &mut Progress<'_>,
 ) -> Result<Fields, Failure> {
-    if frequencies_hz.is_empty() {
-        return Err(Failure::wrong_arguments("frequency_hz of no number", "one or more"));
-    }
     let plate = &responder.plate().clone();
-    let mut amplitude = Vec::with_capacity(frequencies_hz.len() * asked.points);
+    let mut amplitude = reserved(frequencies_hz.len().saturating_mul(asked.points))?;
     let (mut position_m, mut rows, mut two_dimensions) = (Vec::new(), Vec::new(), Vec::new());
     for (i, &hz) in frequencies_hz.iter().enumerate() {
         progress.at(i as f64 / frequencies_hz.len() as f64).map_err(|error| Failure::of(&error))?;

@@ -1,7 +1,7 @@
 //! The class `Measurement`: the response of a sensor at one place, over frequency.
 
 use crate::error::Failure;
-use crate::plate::Plate;
+use crate::plate::{Plate, check_length};
 use numpy::{Complex64, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyTuple, PyType};
@@ -88,6 +88,7 @@ impl Measurement {
     /// Raises ``BadFile``.
     #[classmethod]
     fn from_csv(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
+        check_length("the measurement", text, BYTES_MAX)?;
         let read = slipline_plate::calibrate::Measurement::from_csv(text);
         Ok(read.map_err(|error| Failure::bad_file("the measurement", error))?.into())
     }

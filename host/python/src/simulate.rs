@@ -1,10 +1,10 @@
 //! `Plate.simulate`.
 
 use crate::actual;
+use crate::arguments::{ArrayLike, OneOrMore, in_range};
 use crate::error::Failure;
 use crate::feeling;
 use crate::finger::FingerArgument;
-use crate::one_or_more::OneOrMore;
 use crate::options::Options;
 use crate::place::{LEVEL, exactly_one, no_such_tone, setup_file};
 use crate::result::{Answer, fields};
@@ -21,7 +21,7 @@ use slipline_model::field::simulation::{
 };
 use slipline_model::setup::Setup;
 use slipline_model::texture::{chord_of, sounding};
-use slipline_plate::quantity::{OutOfRange, PlaceOrFrequency, Range};
+use slipline_plate::quantity::{PlaceOrFrequency, Range};
 use slipline_plate::{DriveTable, Plate, Progress};
 use std::sync::Arc;
 use std::thread::available_parallelism;
@@ -48,8 +48,8 @@ struct Drive {
 pub(crate) fn run(
     py: Python<'_>,
     plate: &Arc<Plate>,
-    places: [Option<OneOrMore>; 3],
-    level: Option<OneOrMore>,
+    places: [Option<ArrayLike<'_>>; 3],
+    level: Option<ArrayLike<'_>>,
     mut options: Options<'_>,
 ) -> PyResult<Answer> {
     let is_sheet = options.switch("sheet")?;
@@ -89,8 +89,14 @@ pub(crate) fn run(
 }
 
 /// The tones of the arguments.
-fn tones(places: [Option<OneOrMore>; 3], level: Option<OneOrMore>) -> Result<Vec<ToneRequest>, Failure> {
-    let [felt_edges_m, turning_points_m, frequencies_hz] = places.map(|given| given.map(OneOrMore::numbers));
+fn tones(places: [Option<ArrayLike<'_>>; 3], level: Option<ArrayLike<'_>>) -> PyResult<Vec<ToneRequest>> {
+    let [felt_edges_m, turning_points_m, frequencies_hz] = places;
+    let numbers = |given: Option<ArrayLike<'_>>, name| {
+        given.map(|given| Ok(given.one_or_more(name, MAX_TONES)?.numbers())).transpose()
+    };
+    let felt_edges_m = numbers(felt_edges_m, "felt_edge_m")?;
+    let turning_points_m = numbers(turning_points_m, "turning_point_m")?;
+    let frequencies_hz = numbers(frequencies_hz, "frequency_hz")?;
     let first = |given: &Option<Vec<f64>>| given.as_ref().map(|_| 0.0);
     // Counts the arguments; an empty series is one, too.
     exactly_one(first(&felt_edges_m), first(&turning_points_m), first(&frequencies_hz))?;
@@ -99,9 +105,7 @@ fn tones(places: [Option<OneOrMore>; 3], level: Option<OneOrMore>) -> Result<Vec
     let frequencies = frequencies_hz.into_iter().flatten().map(PlaceOrFrequency::Frequency);
     let asked: Vec<AskedPlace> =
         felt_edges.chain(turning_points.chain(frequencies).map(AskedPlace::TurningPoint)).collect();
-    let counts = Range::new(1.0, MAX_TONES as f64, "");
-    OutOfRange::check("the number of tones", asked.len() as f64, counts)
-        .map_err(|refused| Failure::out_of_range(&refused))?;
+    let level = level.map(|given| given.one_or_more("level", MAX_TONES)).transpose()?;
     let levels = level.unwrap_or(OneOrMore::One(USUAL_LEVEL)).numbers();
     let levels = match levels[..] {
         [level] => vec![level; asked.len()],
@@ -109,10 +113,10 @@ fn tones(places: [Option<OneOrMore>; 3], level: Option<OneOrMore>) -> Result<Vec
     };
     if levels.len() != asked.len() {
         let given = format_args!("{} levels of {} tones", levels.len(), asked.len());
-        return Err(Failure::wrong_arguments(given, "one for all tones, or one for each"));
+        return Err(Failure::wrong_arguments(given, "one for all tones, or one for each").into());
     }
     for &level in &levels {
-        OutOfRange::check("level", level, LEVEL).map_err(|refused| Failure::out_of_range(&refused))?;
+        in_range("level", level, LEVEL)?;
     }
     Ok(asked.into_iter().zip(levels).map(|(asked, level)| ToneRequest { asked, level }).collect())
 }

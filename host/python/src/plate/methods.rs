@@ -1,12 +1,12 @@
 //! What is computed on a plate: the calls of the class.
 
-use super::{Plate, file_failure, named};
+use super::{Plate, check_length, file_failure, named};
+use crate::arguments::{ArrayLike, OneOrMore, items, pair};
 use crate::calibrate;
 use crate::error::Failure;
 use crate::field;
 use crate::finger::FingerArgument;
 use crate::measurement::Measurement;
-use crate::one_or_more::OneOrMore;
 use crate::options::Options;
 use crate::place::at_most_one;
 use crate::result::{Answer, columns, fields};
@@ -23,7 +23,7 @@ use slipline_model::field::simulation::{SAMPLE_RATE_HZ, table_for_watched};
 use slipline_plate::check::Conditions;
 use slipline_plate::quantity::{OutOfRange, Range};
 use slipline_plate::texture::Palette;
-use slipline_plate::{KNOTS_MAX, PlateFileError, sample_rates};
+use slipline_plate::{KNOTS_MAX, PLATE_FILE_BYTES_MAX, PlateFileError, sample_rates};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -40,6 +40,7 @@ impl Plate {
     /// Raises ``BadFile``, or ``OutOfRange`` with the field of the file.
     #[classmethod]
     fn from_toml(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
+        check_length("the plate", text, PLATE_FILE_BYTES_MAX)?;
         let plate = slipline_plate::Plate::from_toml(text);
         Ok(plate.map_err(|error: PlateFileError| file_failure(&error))?.into())
     }
@@ -131,12 +132,12 @@ impl Plate {
     /// (n,), and ``amplitude`` one of shape (n, points).
     ///
     /// Raises ``OutOfRange``: ``frequency_hz`` goes from the cut-off at the wide end to four times the highest that turns on
-    /// the plate.
+    /// the plate, and a call takes up to 100 000 of them; ``MemoryError`` where the result has no room.
     #[pyo3(signature = (frequency_hz, *, points=2001, finger=None, paper_mode=false, two_dimensions=false))]
     fn respond(
         &self,
         py: Python<'_>,
-        frequency_hz: OneOrMore,
+        frequency_hz: ArrayLike<'_>,
         points: usize,
         finger: Option<FingerArgument>,
         paper_mode: bool,
@@ -144,7 +145,7 @@ impl Plate {
     ) -> PyResult<Answer> {
         let finger = finger.map(FingerArgument::finger).transpose()?;
         let asked = field::Asked { points, finger, paper_mode, two_dimensions };
-        match frequency_hz {
+        match frequency_hz.one_or_more("frequency_hz", field::FREQUENCIES_MAX)? {
             OneOrMore::One(hz) => field::at_one(py, &self.plate, hz, asked),
             OneOrMore::More(each_hz) => field::at_each(py, self, each_hz, asked),
         }
@@ -187,10 +188,10 @@ impl Plate {
     fn simulate(
         &self,
         py: Python<'_>,
-        felt_edge_m: Option<OneOrMore>,
-        turning_point_m: Option<OneOrMore>,
-        frequency_hz: Option<OneOrMore>,
-        level: Option<OneOrMore>,
+        felt_edge_m: Option<ArrayLike<'_>>,
+        turning_point_m: Option<ArrayLike<'_>>,
+        frequency_hz: Option<ArrayLike<'_>>,
+        level: Option<ArrayLike<'_>>,
         as_cli: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Answer> {
         let options = Options::new("simulate", as_cli)?;
@@ -211,12 +212,14 @@ impl Plate {
         &self,
         py: Python<'_>,
         solid_m: Option<f64>,
-        profile: Option<(Vec<f64>, Vec<f64>)>,
+        profile: Option<Bound<'_, PyAny>>,
         image: Option<PathBuf>,
         stripes_m: Option<f64>,
-        beat: Option<(f64, f64)>,
+        beat: Option<Bound<'_, PyAny>>,
         tones: usize,
     ) -> PyResult<Answer> {
+        let profile = profile.map(|given| texture::profile(&given)).transpose()?;
+        let beat = beat.map(|given| pair("beat", &given, "(place_m, beat_hz)")).transpose()?;
         let wanted = texture::Wanted { solid_m, profile, image, stripes_m, beat };
         texture::run(py, &self.plate, wanted, tones)
     }
@@ -258,9 +261,10 @@ impl Plate {
     fn calibrate(
         &self,
         py: Python<'_>,
-        measurements: Vec<Bound<'_, Measurement>>,
+        measurements: &Bound<'_, PyAny>,
         as_cli: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Answer> {
+        let measurements: Vec<Bound<'_, Measurement>> = items("measurements", measurements, 2)?;
         let measured = measurements.iter().map(|measurement| Arc::clone(&measurement.get().inner)).collect();
         calibrate::run(py, &self.plate, measured, Options::new("calibrate", as_cli)?)
     }
