@@ -107,7 +107,10 @@ def test_arrays_become_a_dataset(plate):
     (lambda plate: plate.merit(turning_point_m=9.0), "turning_point_m", 9.0, None, None),
     (lambda plate: plate.simulate(turning_point_m=0.16, level=-0.1), "level", -0.1, 0.0, 1.0),
     (lambda plate: plate.simulate(turning_point_m=0.16, seconds=0.0), "seconds", 0.0, 0.01, 600.0),
-    (lambda plate: plate.simulate(turning_point_m=[0.1] * 17), "the number of tones", 17.0, 1.0, 16.0),
+    (lambda plate: plate.simulate(turning_point_m=[0.1] * 17), "turning_point_m", 17.0, 1.0, 16.0),
+    (lambda plate: plate.simulate(felt_edge_m=0.001), "felt_edge_m", 0.001, None, None),
+    (lambda plate: plate.check(felt_edge_m=210.0), "felt_edge_m", 210.0, None, None),
+    (lambda plate: plate.respond(np.full(100_001, 126.0)), "frequency_hz", 100_001.0, 1.0, 100_000.0),
     (lambda plate: plate.texture(solid_m=9.0), "solid_m", 9.0, None, None),
     (lambda plate: plate.texture(stripes_m=1.0, tones=17), "tones", 17.0, 1.0, 16.0),
     (lambda plate: plate.calibrate((), touch=[(0.2, 9.0)]), "touch", 9.0, 0.0, None),
@@ -137,7 +140,7 @@ def test_a_number_that_is_not_allowed_names_its_field_and_range(plate, call, fie
     (lambda plate: plate.texture(), "no texture: must be one of"),
     (lambda plate: plate.texture(solid_m=0.1, stripes_m=0.1), "more than one texture"),
     (lambda plate: plate.texture(profile=([0.1], [1.0, 2.0])), "two series of the same length"),
-    (lambda plate: plate.respond(126.0, finger="light"), "while processing 'finger'"),
+    (lambda plate: plate.respond(126.0, finger="light"), "finger = light: must be (place_m, \"light\")"),
     (lambda plate: plate.calibrate(()), "0 measurements"),
     (lambda plate: plate.calibrate((), half_width=0.05), "half_width"),
     (lambda _: slipline.design("latex", 5e-4, (80.0, 220.0), 0.4, shear=True, edge="clamped"), "more than one wave"),
@@ -148,7 +151,6 @@ def test_arguments_that_do_not_belong_together_are_a_type_error(plate, call, wor
 
 
 @pytest.mark.parametrize("call, words", [
-    (lambda plate: plate.simulate(felt_edge_m=0.001), "felt edges of tones"),
     (lambda plate: plate.respond(126.0, paper_mode=True, two_dimensions=True), "choose one"),
     (lambda plate: plate.simulate(turning_point_m=0.1, actual_plate="secret:x"), "secret:SEED"),
     (lambda _: slipline.design("latex", 5e-4, (80.0, 220.0), 0.4, edge="loose"), "one of supported, clamped"),

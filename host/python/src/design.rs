@@ -1,5 +1,6 @@
 //! `slipline.design`.
 
+use crate::arguments::pair;
 use crate::error::Failure;
 use crate::options::Options;
 use crate::plate::Plate;
@@ -29,10 +30,11 @@ pub(crate) fn design(
     py: Python<'_>,
     material: &str,
     thickness_m: f64,
-    band_hz: (f64, f64),
+    band_hz: &Bound<'_, PyAny>,
     length_m: f64,
     as_cli: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Answer> {
+    let band_hz = pair("band_hz", band_hz, "the lowest and the highest frequency, Hz")?;
     let material = Material::named(material).map_err(|error| Failure::of(&error))?;
     let request = request(material, thickness_m, band_hz, length_m, Options::new("design", as_cli)?)?;
     let (found, plate) = compute(py, move |progress| {

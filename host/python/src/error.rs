@@ -67,7 +67,7 @@ impl Failure {
                     Given::Count(count) => count as f64,
                     Given::Text(_) => f64::NAN,
                 };
-                Self::OutOfRange { message, field, value, range: (low, high) }
+                Self::number(message, &field, value, (low, high))
             }
             _ => Self::Because(Exception::Refused, message),
         }
@@ -76,8 +76,15 @@ impl Failure {
     /// A number out of its range, with the name of its argument.
     pub(crate) fn out_of_range(refused: &OutOfRange) -> Self {
         let OutOfRange { field, value, range } = *refused;
-        let message = refused.to_string();
-        Self::OutOfRange { message, field: field.to_owned(), value, range: (range.low, range.high) }
+        Self::number(refused.to_string(), field, value, (range.low, range.high))
+    }
+
+    /// A number out of its range; of a length that may have been meant in millimetres, the sentence says so.
+    pub(crate) fn number(message: String, field: &str, value: f64, range: (f64, f64)) -> Self {
+        let meant = value / 1e3;
+        let is_in_mm = field.ends_with("_m") && (range.0..=range.1).contains(&meant);
+        let message = if is_in_mm { format!("{message}; did you mean {meant} m?") } else { message };
+        Self::OutOfRange { message, field: field.to_owned(), value, range }
     }
 
     /// `slipline.Refused`.

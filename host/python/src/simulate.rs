@@ -56,7 +56,7 @@ pub(crate) fn run(
     let has_gains = !options.switch("no_table")?;
     let seconds = options.number("seconds", Range::new(0.01, MAX_SECONDS, "s"))?;
     let finger = options.take("finger")?.map(|given| given.extract::<FingerArgument>()).transpose()?;
-    let finger = finger.map(FingerArgument::finger).transpose()?;
+    let finger = finger.map(|FingerArgument(finger)| finger);
     let actual = options.take("actual_plate")?;
     let feeling = feeling::read(options.text("feeling")?.as_deref())?;
     let setup = options.text("setup")?;

@@ -6,7 +6,7 @@ use super::{ANY, Loaded};
 use crate::arguments::items;
 use crate::error::Failure;
 use crate::options::Options;
-use crate::place::LEVEL;
+use crate::place::{LEVEL, no_such_tone};
 use crate::result::fields;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -79,7 +79,7 @@ impl Step {
         let Self { tones, glide_s } = self;
         let like = Setup { glide_s, ..Setup::new(Arc::clone(&loaded.plate)) };
         let setup = ToneRequest::setup(&tones, like, &loaded.table);
-        let setup = setup.map_err(|(_, error)| Failure::of(&error))?;
+        let setup = setup.map_err(|(_, error)| no_such_tone(error))?;
         let sounding = Sounding::Drive(edit::drive(&setup));
         Prepared::new(loaded.clone(), setup, sounding)
     }

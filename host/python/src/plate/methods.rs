@@ -143,7 +143,7 @@ impl Plate {
         paper_mode: bool,
         two_dimensions: bool,
     ) -> PyResult<Answer> {
-        let finger = finger.map(FingerArgument::finger).transpose()?;
+        let finger = finger.map(|FingerArgument(finger)| finger);
         let asked = field::Asked { points, finger, paper_mode, two_dimensions };
         match frequency_hz.one_or_more("frequency_hz", field::FREQUENCIES_MAX)? {
             OneOrMore::One(hz) => field::at_one(py, &self.plate, hz, asked),
