@@ -4,7 +4,7 @@
 //! Every length is limited before memory is reserved for it, so that no argument ends the interpreter. Errors name the argument.
 
 use crate::error::Failure;
-use numpy::{PyArray1, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{Complex64, PyArray1, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
@@ -42,6 +42,30 @@ pub(crate) enum OneOrMore {
 }
 
 impl OneOrMore {
+    /// Each number by this function.
+    pub(crate) fn map(self, each: impl Fn(f64) -> Result<f64, Failure>) -> Result<Self, Failure> {
+        Ok(match self {
+            Self::One(number) => Self::One(each(number)?),
+            Self::More(numbers) => Self::More(numbers.into_iter().map(each).collect::<Result<_, _>>()?),
+        })
+    }
+
+    /// Its numbers; one number as often as this.
+    pub(crate) fn repeated(self, count: usize) -> Vec<f64> {
+        match self {
+            Self::One(number) => vec![number; count],
+            Self::More(numbers) => numbers,
+        }
+    }
+
+    /// A float, or an array.
+    pub(crate) fn into_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+        Ok(match self {
+            Self::One(number) => number.into_pyobject(py)?.into_any(),
+            Self::More(numbers) => PyArray1::from_vec(py, numbers).into_any(),
+        })
+    }
+
     /// Its numbers.
     pub(crate) fn numbers(self) -> Vec<f64> {
         match self {
@@ -89,6 +113,17 @@ impl ArrayLike<'_> {
         let mut numbers = reserved(floats.len())?;
         numbers.extend(floats.readonly().as_array().iter().copied());
         Ok(numbers)
+    }
+
+    /// Up to `most` complex numbers of a series.
+    pub(crate) fn complex_series(&self, name: &str, most: usize) -> PyResult<Vec<Complex64>> {
+        let numpy = self.0.py().import("numpy")?;
+        let parts = |part: &str| -> PyResult<Vec<f64>> {
+            let part = numpy.call_method1(part, (&self.0,)).map_err(|error| self.no_numbers(name, &error))?;
+            Self(part).series(name, most)
+        };
+        let (re, im) = (parts("real")?, parts("imag")?);
+        Ok(re.into_iter().zip(im).map(|(re, im)| Complex64::new(re, im)).collect())
     }
 
     /// As an array of numpy; refused if its values are no numbers, or some are masked.

@@ -1,6 +1,7 @@
 //! The class `Plate`.
 
 mod methods;
+mod numbers;
 
 use crate::error::{Exception, Failure};
 use crate::responders::Responders;

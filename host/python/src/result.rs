@@ -38,14 +38,25 @@ impl Answer {
 
     fn __dir__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let names = self.fields.bind(py).keys();
-        names.append("to_dict")?;
-        names.append("to_xarray")?;
+        for call in ["plot", "to_dict", "to_pandas", "to_xarray"] {
+            names.append(call)?;
+        }
         Ok(names)
     }
 
+    /// The fields with their values; of a long array its shape and first values.
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let names: Vec<String> = self.fields.bind(py).keys().extract()?;
-        Ok(format!("Result({})", names.join(", ")))
+        self.shown(py, "text")?.extract()
+    }
+
+    /// The same for a notebook: the lights of a check with their colours, the rows of a list, or the fields.
+    fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
+        self.shown(py, "table")?.extract()
+    }
+
+    /// The fields as they are.
+    fn _fields(&self, py: Python<'_>) -> Py<PyDict> {
+        self.fields.clone_ref(py)
     }
 
     /// As for ``pickle``.
@@ -54,34 +65,39 @@ impl Answer {
         (class, (self.fields.clone_ref(py),)).into_pyobject(py)
     }
 
-    /// The fields as a dictionary, the results in it as dictionaries, too; arrays stay arrays.
+    /// The fields as plain data that ``json`` writes: arrays are lists, complex numbers ``{"re", "im"}``, and what is not a
+    /// number is ``None``.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let plain = PyDict::new(py);
-        for (name, value) in self.fields.bind(py) {
-            plain.set_item(name, as_plain(value)?)?;
-        }
-        Ok(plain)
+        Ok(self.shown(py, "plain")?.cast_into()?)
     }
 
-    /// The arrays as an ``xarray.Dataset`` over ``position_m`` and, of several frequencies, ``frequency_hz``; the numbers
-    /// and texts are its attributes. Needs xarray: ``pip install slipline[xarray]``.
+    /// A list of results in it as a ``pandas.DataFrame``, a row for each: that of the field ``name``, or its lights, tones or
+    /// parameters; without any list its arrays, a column for each. Needs pandas.
+    #[pyo3(signature = (name=None))]
+    fn to_pandas<'py>(&self, py: Python<'py>, name: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("slipline._shown")?.call_method1("pandas", (self.fields.bind(py), name))
+    }
+
+    /// Draws a field, a simulated envelope, a drive table or the lights of a check with matplotlib, into ``axes`` or new ones,
+    /// which it returns.
+    #[pyo3(signature = (axes=None))]
+    fn plot<'py>(&self, py: Python<'py>, axes: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("slipline._shown")?.call_method1("plot", (self.fields.bind(py), axes))
+    }
+
+    /// The arrays as an ``xarray.Dataset`` over ``position_m`` and, of several frequencies, ``frequency_hz``, each with
+    /// ``units`` and ``long_name``; the numbers and texts are its attributes. Needs xarray: ``pip install slipline[xarray]``.
     fn to_xarray<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         py.import("slipline.dataset")?.call_method1("dataset", (self.fields.bind(py),))
     }
 }
 
-fn as_plain(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
-    if let Ok(result) = value.cast::<Answer>() {
-        return Ok(result.get().to_dict(value.py())?.into_any());
-    }
-    if let Ok(list) = value.cast::<PyList>() {
-        let items = list.iter().map(as_plain).collect::<PyResult<Vec<_>>>()?;
-        return Ok(PyList::new(value.py(), items)?.into_any());
-    }
-    Ok(value)
-}
-
 impl Answer {
+    /// A form of it by the package's Python code.
+    fn shown<'py>(&self, py: Python<'py>, form: &str) -> PyResult<Bound<'py, PyAny>> {
+        py.import("slipline._shown")?.call_method1(form, (self.fields.bind(py),))
+    }
+
     /// The fields of an answer.
     pub(crate) fn of(py: Python<'_>, fields: Map<String, Value>) -> PyResult<Self> {
         let found = PyDict::new(py);

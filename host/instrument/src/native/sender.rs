@@ -153,3 +153,72 @@ impl<W: BlockingLink> Client<W> {
         self.snapshot().drive.status.map_or(0, |status| status.now)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_link::protocol::event::State;
+    use slipline_link::{BLOCK, DeviceTable, Port};
+    use std::sync::Arc;
+
+    fn armed() -> Client {
+        let client = Client::new(None).unwrap();
+        client.observe(&Port::Simulated).unwrap();
+        let knots = (0..=100).map(|i| (30e3 - 100.0 * f64::from(i), 1.0));
+        let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6).unwrap();
+        client.use_table(Arc::new(table)).unwrap();
+        client.arm().unwrap();
+        client
+    }
+
+    fn tone(place_m: f64) -> Sounding {
+        Sounding::Drive(DriveRequest::at(&[(place_m, 0.5)]))
+    }
+
+    #[test]
+    fn drives_begin_at_the_first_block_at_or_after_their_indices() {
+        let client = armed();
+        let begin = client.refresh().unwrap() + 200_000;
+        let drives = vec![
+            TimedDrive { at: begin, sounding: tone(0.05) },
+            TimedDrive { at: begin + 200_001, sounding: tone(0.06) },
+            TimedDrive::end(begin + 400_000, 0.01),
+        ];
+        let blocks = drives.iter().map(|drive| Some(drive.at.next_multiple_of(BLOCK as u64)));
+        let blocks = blocks.collect::<Vec<_>>();
+        assert_eq!(client.play_each(drives, || true).unwrap(), blocks);
+        client.wait_until(begin + 420_000, || true).unwrap();
+        assert_eq!(client.snapshot().drive.status.unwrap().state, State::Armed);
+    }
+
+    #[test]
+    fn a_change_ahead_is_awaited_unless_a_stop_drops_it() {
+        let client = armed();
+        let first = client.play(tone(0.05)).unwrap();
+        let end = client.stop_at(first + 200_000, 0.02, || true).unwrap().unwrap();
+        let second = client.play(tone(0.05)).unwrap();
+        assert!(second > end, "{second} {end}");
+        // Farther ahead than the device takes: it is waited for until nobody does.
+        let far = TimedDrive { at: second + 400_000 * 3600, sounding: tone(0.06) };
+        let mut looks = 0;
+        let sent = client.play_at(far, || {
+            looks += 1;
+            looks < 3
+        });
+        assert_eq!(sent.unwrap(), None);
+        let ahead = TimedDrive { at: second + 400_000 * 40, sounding: tone(0.06) };
+        assert!(client.play_at(ahead, || true).unwrap().is_some());
+        client.stop().unwrap();
+        client.play(tone(0.05)).unwrap();
+    }
+
+    #[test]
+    fn an_end_whose_index_has_passed_is_a_stop_now_and_a_drive_is_refused() {
+        let client = armed();
+        let began = client.play(tone(0.05)).unwrap();
+        client.wait_until(began + 40_000, || true).unwrap();
+        assert!(client.stop_at(began + 1, 0.02, || true).unwrap().unwrap() >= began + 40_000);
+        let late = client.play_each(vec![TimedDrive { at: began, sounding: tone(0.06) }], || true);
+        assert!(matches!(late, Err(ClientError::Refused(_))), "{late:?}");
+    }
+}

@@ -84,6 +84,7 @@ pub(crate) fn connect(
         attention: Attention::new(Duration::from_secs_f64(unattended_s)),
         process: std::process::id(),
         state: Mutex::new(State::default()),
+        latest_log: Mutex::new(None),
     };
     device.call(py, move |client| Ok(client.observe(&port)?))?;
     Ok(device)

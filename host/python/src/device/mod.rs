@@ -25,7 +25,7 @@ use call::take_signal;
 use pyo3::prelude::*;
 use slipline_instrument::native::{ArmingConsent, Client, ClientError, InterruptibleLink};
 use slipline_instrument::rig::PreparedRig;
-use slipline_link::{DeviceTable, Port};
+use slipline_link::{DeviceTable, LogEntry, Port};
 use slipline_plate::quantity::Range;
 use slipline_plate::{DriveTable, Plate};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -48,6 +48,8 @@ pub(crate) struct Device {
     /// The process that has connected: a fork of it has no link.
     process: u32,
     state: Mutex<State>,
+    /// The latest line of the link's log that `logging` has.
+    latest_log: Mutex<Option<LogEntry>>,
 }
 
 /// The present use of the device.

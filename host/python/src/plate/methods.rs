@@ -1,7 +1,8 @@
 //! What is computed on a plate: the calls of the class.
 
 use super::{Plate, check_length, file_failure, named};
-use crate::arguments::{ArrayLike, OneOrMore, items, pair};
+use super::numbers::{flatten, frequencies_of, frequency_of, replaced};
+use crate::arguments::{ArrayLike, OneOrMore, SERIES_MAX, items, pair};
 use crate::calibrate;
 use crate::error::Failure;
 use crate::field;
@@ -19,9 +20,10 @@ use serde_json::Value;
 use slipline_model::answer::check::{CheckAnswer, check};
 use slipline_model::answer::merit::{MeritAnswer, rate};
 use slipline_model::answer::table::BuiltTable;
+use slipline_model::field::asked_place::turning_point_on;
 use slipline_model::field::simulation::{SAMPLE_RATE_HZ, table_for_watched};
 use slipline_plate::check::Conditions;
-use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::quantity::{OutOfRange, PlaceOrFrequency, Range};
 use slipline_plate::texture::Palette;
 use slipline_plate::{KNOTS_MAX, PLATE_FILE_BYTES_MAX, PlateFileError, sample_rates};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -74,8 +76,45 @@ impl Plate {
         self.plate.band_hz()
     }
 
+    /// The frequency whose wave turns at ``turning_point_m``, Hz: a number, or an array for a series.
+    ///
+    /// Raises ``OutOfRange`` beyond the plate's span.
+    fn frequency_hz<'py>(&self, py: Python<'py>, turning_point_m: ArrayLike<'_>) -> PyResult<Bound<'py, PyAny>> {
+        let places_m = turning_point_m.one_or_more("turning_point_m", SERIES_MAX)?;
+        places_m.map(|place_m| frequency_of(&self.plate, place_m))?.into_python(py)
+    }
+
+    /// The turning point of the wave of ``frequency_hz``, metres: a number, or an array for a series.
+    ///
+    /// Raises ``OutOfRange`` beyond the plate's band.
+    fn turning_point_m<'py>(&self, py: Python<'py>, frequency_hz: ArrayLike<'_>) -> PyResult<Bound<'py, PyAny>> {
+        let frequencies_hz = frequency_hz.one_or_more("frequency_hz", SERIES_MAX)?;
+        let turns = |hz| turning_point_on(PlaceOrFrequency::Frequency(hz), &self.plate);
+        frequencies_hz.map(|hz| turns(hz).map_err(|it| Failure::out_of_range(&it)))?.into_python(py)
+    }
+
+    /// The plate with other numbers: ``plate.replace(loss_factor=0.02, taper={"rate_per_m": 4.1})``. Paths of the file are taken,
+    /// too: ``plate.replace(**{"taper.rate_per_m": 4.1})``.
+    ///
+    /// Raises ``OutOfRange``; ``TypeError`` for a number that its file does not state.
+    #[pyo3(signature = (**numbers))]
+    fn replace(&self, numbers: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut changes = Vec::new();
+        if let Some(numbers) = numbers {
+            flatten("", numbers, &mut changes)?;
+        }
+        replaced(&self.plate, &changes)
+    }
+
+    /// The fields of its plate file as plain data.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("tomllib")?.call_method1("loads", (self.to_toml(),))
+    }
+
     fn __repr__(&self) -> String {
-        format!("<slipline.Plate {:?}>", self.plate.name())
+        let (low_hz, high_hz) = self.plate.band_hz();
+        let (name, length_m) = (self.plate.name(), self.plate.length_m());
+        format!("<slipline.Plate {name:?}: {length_m} m, {low_hz:.6} to {high_hz:.6} Hz>")
     }
 
     fn __eq__(&self, other: &Self) -> bool {
@@ -124,7 +163,8 @@ impl Plate {
         Answer::of(py, found)
     }
 
-    /// The field at one frequency or at several, as ``slipline respond``.
+    /// The field at one frequency or at several, as ``slipline respond``: those of ``frequency_hz``, or of the tones with these
+    /// turning points or felt edges; a felt edge is that of a tone of ``level``.
     ///
     /// ``points`` places, 8 to 200 001, lie from the driven to the narrow end. ``finger`` is ``(place_m, "light")``,
     /// ``(place_m, "firm")``, or ``(place_m, resistance_n_s_per_m, mass_kg, contact_m)``. ``paper_mode`` is the paper's equation;
@@ -133,11 +173,15 @@ impl Plate {
     ///
     /// Raises ``OutOfRange``: ``frequency_hz`` goes from the cut-off at the wide end to four times the highest that turns on
     /// the plate, and a call takes up to 100 000 of them; ``MemoryError`` where the result has no room.
-    #[pyo3(signature = (frequency_hz, *, points=2001, finger=None, paper_mode=false, two_dimensions=false))]
+    #[pyo3(signature = (frequency_hz=None, *, turning_point_m=None, felt_edge_m=None, level=0.8, points=2001, finger=None, paper_mode=false, two_dimensions=false))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
     fn respond(
         &self,
         py: Python<'_>,
-        frequency_hz: ArrayLike<'_>,
+        frequency_hz: Option<ArrayLike<'_>>,
+        turning_point_m: Option<ArrayLike<'_>>,
+        felt_edge_m: Option<ArrayLike<'_>>,
+        level: f64,
         points: usize,
         finger: Option<FingerArgument>,
         paper_mode: bool,
@@ -145,7 +189,7 @@ impl Plate {
     ) -> PyResult<Answer> {
         let finger = finger.map(|FingerArgument(finger)| finger);
         let asked = field::Asked { points, finger, paper_mode, two_dimensions };
-        match frequency_hz.one_or_more("frequency_hz", field::FREQUENCIES_MAX)? {
+        match frequencies_of(py, &self.plate, [frequency_hz, turning_point_m, felt_edge_m], level)? {
             OneOrMore::One(hz) => field::at_one(py, &self.plate, hz, asked),
             OneOrMore::More(each_hz) => field::at_each(py, self, each_hz, asked),
         }
