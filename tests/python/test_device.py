@@ -183,7 +183,7 @@ def test_a_sensor_on_the_simulated_plate_measures_and_holds(plate: slipline.Plat
                 call()
         for call in (
             lambda: device.measure(),
-            lambda: device.measure(0.05, amplifier=2.0),
+            lambda: device.measure(0.05, amplifier_v=2.0),
             lambda: device.measure(0.05, pints=16),
         ):
             with pytest.raises(TypeError):

@@ -9,10 +9,11 @@ All quantities are SI numbers, and the name of each ends in its unit. The fields
 same name with ``--json``; host/JSON.md has the meaning of each.
 """
 
-from . import study, trials
+from . import results, study, trials
 from ._slipline import VERSION as __version__
-from ._slipline import Device, Measurement, Plate, Result, connect, design, ports, presets
+from ._slipline import Device, Measurement, Plate, connect, design, ports, presets
 from .errors import BadFile, Error, Fault, LinkLost, OutOfRange, Refused, Unattended
+from .results import Result
 from .staircase import Staircase
 
 __all__ = [
@@ -33,6 +34,7 @@ __all__ = [
     "design",
     "ports",
     "presets",
+    "results",
     "study",
     "trials",
 ]

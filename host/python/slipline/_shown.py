@@ -17,13 +17,12 @@ _SHOWN = 3
 _COLOURS = {"green": "#2e7d32", "amber": "#b26a00", "yellow": "#b26a00", "red": "#c62828"}
 
 
-def text(fields: dict[str, Any], depth: int = 0) -> str:
-    """The fields with their values: long arrays by their shape and first values, results in it by their fields' names."""
-    if depth:
-        return f"Result({', '.join(fields)})"
-    lines = [f"{name}={_value_text(value)}" for name, value in fields.items()]
-    one = f"Result({', '.join(lines)})"
-    return one if len(one) <= 100 else "Result(\n    " + ",\n    ".join(lines) + "\n)"
+def text(result: Result) -> str:
+    """The fields with their values: long arrays by their shape and first values, results in it by their class."""
+    lines = [f"{name}={_value_text(value)}" for name, value in result._fields().items()]
+    name = type(result).__name__
+    one = f"{name}({', '.join(lines)})"
+    return one if len(one) <= 100 else f"{name}(\n    " + ",\n    ".join(lines) + "\n)"
 
 
 def _value_text(value: Any) -> str:
@@ -32,14 +31,14 @@ def _value_text(value: Any) -> str:
         rest = ", .." if value.size > _SHOWN else ""
         return f"array{value.shape} [{first}{rest}]"
     if isinstance(value, list):
-        return f"[{len(value)} of {value[0]!r}]" if value and hasattr(value[0], "to_dict") else repr(value)
-    if hasattr(value, "to_dict") and hasattr(value, "_fields"):
-        return text(value._fields(), 1)
-    return _number(value)
+        return f"[{len(value)} {type(value[0]).__name__}]" if value and hasattr(value[0], "_fields") else repr(value)
+    return f"<{type(value).__name__}>" if hasattr(value, "_fields") else _number(value)
 
 
 def _number(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, (float, complex, np.floating, np.complexfloating)) else str(value) if isinstance(value, np.generic) else repr(value)
+    if isinstance(value, (float, complex, np.floating, np.complexfloating)):
+        return f"{value:.6g}"
+    return str(value) if isinstance(value, np.generic) else repr(value)
 
 
 def plain(value: Any) -> Any:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 from .errors import Refused
 
 if TYPE_CHECKING:
-    from . import Device, Result
+    from . import Device
+    from .results import Result, Status
 
 
 async def wait_async(device: Device, at_samples: int | Result | None, seconds: float | None, timeout: float | None) -> int:
@@ -24,7 +25,7 @@ async def wait_async(device: Device, at_samples: int | Result | None, seconds: f
         cancelled.set()
 
 
-def watch(device: Device, period_s: float) -> Iterator[Result]:
+def watch(device: Device, period_s: float) -> Iterator[Status]:
     """The status of a device, again and again until it is closed."""
     while not device.closed:
         try:

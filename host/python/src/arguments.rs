@@ -21,6 +21,24 @@ pub(crate) fn in_range(field: &'static str, value: f64, range: Range) -> Result<
     OutOfRange::check(field, value, range).map_err(|refused| Failure::out_of_range(&refused))
 }
 
+/// Refuses a number out of its range, if there is one.
+pub(crate) fn optional(field: &'static str, value: Option<f64>, range: Range) -> Result<(), Failure> {
+    value.map_or(Ok(()), |value| in_range(field, value, range))
+}
+
+/// One of these words, if there is one.
+pub(crate) fn one_of<T: Copy>(
+    name: &str,
+    word: Option<&str>,
+    words: &[(&str, T)],
+) -> Result<Option<T>, Failure> {
+    let Some(given) = word else { return Ok(None) };
+    let found = words.iter().find(|(word, _)| *word == given).map(|(_, value)| *value);
+    let allowed = || words.iter().map(|(word, _)| *word).collect::<Vec<_>>().join(", ");
+    let text = format_args!("{name} = {given:?}");
+    found.map(Some).ok_or_else(|| Failure::refused(must_be(text, format_args!("one of {}", allowed()))))
+}
+
 /// An argument that is a number, or a series of numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct ArrayLike<'py>(Bound<'py, PyAny>);

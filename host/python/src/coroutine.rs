@@ -2,10 +2,10 @@
 
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
-use pyo3::{PyTypeInfo, type_hint_identifier, type_hint_subscript};
+use pyo3::{type_hint_identifier, type_hint_subscript};
 use std::convert::Infallible;
 
-use crate::result::Answer;
+use crate::result::{Kind, kind::Status};
 
 /// A coroutine that returns a sample index.
 pub(crate) struct Coroutine<'py>(pub(crate) Bound<'py, PyAny>);
@@ -33,7 +33,7 @@ impl<'py> IntoPyObject<'py> for StatusIterator<'py> {
     type Error = Infallible;
     const OUTPUT_TYPE: PyStaticExpr = type_hint_subscript!(
         type_hint_identifier!("collections.abc", "Iterator"),
-        <Answer as PyTypeInfo>::TYPE_HINT
+        <Status as Kind>::TYPE
     );
 
     fn into_pyobject(self, _py: Python<'py>) -> Result<Self::Output, Infallible> {

@@ -3,7 +3,8 @@
 use crate::arguments::reserved;
 use crate::error::Failure;
 use crate::plate::Plate as PyPlate;
-use crate::result::{Answer, columns, fields};
+use crate::result::kind::Field;
+use crate::result::{Answer, columns, dictionary, fields};
 use crate::waiting::compute;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -47,7 +48,7 @@ impl Asked {
 }
 
 /// The field at one frequency.
-pub(crate) fn at_one(py: Python<'_>, plate: &Arc<Plate>, hz: f64, asked: Asked) -> PyResult<Answer> {
+pub(crate) fn at_one(py: Python<'_>, plate: &Arc<Plate>, hz: f64, asked: Asked) -> PyResult<Answer<Field>> {
     let plate = Arc::clone(plate);
     let found = compute(py, move |_| {
         asked.check(&plate, &[hz])?;
@@ -75,7 +76,7 @@ pub(crate) fn at_each(
     plate: &PyPlate,
     frequencies_hz: Vec<f64>,
     asked: Asked,
-) -> PyResult<Answer> {
+) -> PyResult<Answer<Field>> {
     let (plate, responders) = (Arc::clone(&plate.plate), Arc::clone(&plate.responders));
     let found = compute(py, move |progress| {
         asked.check(&plate, &frequencies_hz)?;
@@ -90,7 +91,7 @@ pub(crate) fn at_each(
     if two_dimensions.is_empty() {
         return Ok(answer);
     }
-    let differences = Answer::of(py, columns(two_dimensions))?;
+    let differences = dictionary(py, columns(two_dimensions))?;
     answer.with(py, "two_dimensions", differences)
 }
 

@@ -19,7 +19,7 @@
 //! - `study.rs`: any range of a study's plates; its store and cluster: `host/python/slipline/study.py`. Tests:
 //!   `tests/python/test_study.py`
 //! - `result.rs`, `error.rs`: answers as attributes, errors as exceptions
-//! - `options.rs`, `arguments.rs`, `coroutine.rs`: the options of the command line, numbers and series, and objects of
+//! - `options.rs`, `arguments.rs`, `coroutine.rs`: the entries of a dictionary, numbers and series, and objects of
 //!   Python's own code
 //! - `responders.rs`, `waiting.rs`: what a plate keeps from call to call; Ctrl-C during a computation
 //!
@@ -66,8 +66,6 @@ mod _slipline {
     use crate::measurement::Measurement;
     #[pymodule_export]
     use crate::plate::{Plate, presets};
-    #[pymodule_export]
-    use crate::result::Answer;
     #[pymodule_export]
     use crate::study::Study;
 }

@@ -50,24 +50,24 @@ impl Measurement {
     /// Reads a measurement's file.
     ///
     /// One of this package is complete. One of another program (REW, .frd, a table, a universal file 58) and a recording of a
-    /// sweep (WAV) need the ``plate`` and the place ``sensor``, metres from the driven end; ``kind`` is displacement,
-    /// velocity, acceleration or strain, ``snr`` the signal-to-noise ratio in dB of a file that states no noise. A recording
+    /// sweep (WAV) need the ``plate`` and the sensor's ``place_m`` from the driven end; ``kind`` is displacement,
+    /// velocity, acceleration or strain, ``snr_db`` the signal-to-noise ratio in dB of a file that states no noise. A recording
     /// needs ``played``, the description that ``slipline sweep`` wrote, and has the sensor in ``channel``, from 1. ``columns``
     /// says what the columns of a table are where their names are not clear: ``"frequency=1,level=3:dB,phase=4:rad"``. What
     /// was read of it is in ``source``.
     ///
     /// Raises ``BadFile`` with what is missing or wrong.
     #[classmethod]
-    #[pyo3(signature = (path, *, plate=None, sensor=None, kind=None, snr=SNR_DB, played=None, channel=1, columns=None))]
+    #[pyo3(signature = (path, *, plate=None, place_m=None, kind=None, snr_db=SNR_DB, played=None, channel=1, columns=None))]
     #[expect(clippy::too_many_arguments, reason = "one for each property that a file may lack")]
     fn read(
         _class: &Bound<'_, PyType>,
         py: Python<'_>,
         path: PathBuf,
         plate: Option<&Bound<'_, Plate>>,
-        sensor: Option<f64>,
+        place_m: Option<f64>,
         kind: Option<&str>,
-        snr: f64,
+        snr_db: f64,
         played: Option<PathBuf>,
         channel: usize,
         columns: Option<&str>,
@@ -75,7 +75,7 @@ impl Measurement {
         let plate = plate.map(|plate| Arc::clone(&plate.get().plate));
         let kind = kind.map(sensor_kind).transpose()?;
         let columns = columns.map(chosen).transpose().map_err(Failure::refused)?.unwrap_or_default();
-        let stated = Stated { plate, place_m: sensor, kind, snr_db: snr, played, channel, columns };
+        let stated = Stated { plate, place_m, kind, snr_db, played, channel, columns };
         let (measurement, source) = py.detach(|| stated.read(&path))?;
         Ok(Self { source, ..measurement.into() })
     }
@@ -285,7 +285,7 @@ impl Stated {
             return Ok((measurement, None));
         }
         let (Some(plate), Some(place_m)) = (&self.plate, self.place_m) else {
-            return Err(bad(&"it does not state its place: add plate and sensor"));
+            return Err(bad(&"it does not state its place: add plate and place_m"));
         };
         let untold = |error: ForeignError| {
             let is_of_kind = matches!(error, ForeignError::Kind);

@@ -1,12 +1,11 @@
 //! `Plate.simulate`.
 
-use crate::actual;
+use crate::actual::{self, PlateArgument};
 use crate::arguments::{ArrayLike, OneOrMore, in_range};
 use crate::error::Failure;
 use crate::feeling;
-use crate::finger::FingerArgument;
-use crate::options::Options;
 use crate::place::{LEVEL, exactly_one, no_such_tone, setup_file};
+use crate::result::kind::Simulation;
 use crate::result::{Answer, fields};
 use crate::waiting::compute;
 use pyo3::prelude::*;
@@ -22,7 +21,8 @@ use slipline_model::field::simulation::{
 use slipline_model::setup::Setup;
 use slipline_model::texture::{chord_of, sounding};
 use slipline_plate::quantity::{PlaceOrFrequency, Range};
-use slipline_plate::{DriveTable, Plate, Progress};
+use slipline_plate::{DriveTable, Finger, Plate, Progress};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::available_parallelism;
 
@@ -44,30 +44,37 @@ struct Drive {
     feeling: NamedFeeling,
 }
 
+/// The options of a simulation.
+pub(crate) struct Options<'py> {
+    pub(crate) actual_plate: Option<PlateArgument<'py>>,
+    pub(crate) duration_s: Option<f64>,
+    pub(crate) no_table: bool,
+    pub(crate) sheet: bool,
+    pub(crate) finger: Option<Finger>,
+    pub(crate) feeling: Option<PathBuf>,
+    pub(crate) setup: Option<PathBuf>,
+}
+
 /// Simulates tones by their felt edges, turning points or frequencies, one of the three.
 pub(crate) fn run(
     py: Python<'_>,
     plate: &Arc<Plate>,
     places: [Option<ArrayLike<'_>>; 3],
     level: Option<ArrayLike<'_>>,
-    mut options: Options<'_>,
-) -> PyResult<Answer> {
-    let is_sheet = options.switch("sheet")?;
-    let has_gains = !options.switch("no_table")?;
-    let seconds = options.number("seconds", Range::new(0.01, MAX_SECONDS, "s"))?;
-    let finger = options.take("finger")?.map(|given| given.extract::<FingerArgument>()).transpose()?;
-    let finger = finger.map(|FingerArgument(finger)| finger);
-    let actual = options.take("actual_plate")?;
-    let feeling = feeling::read(options.text("feeling")?.as_deref())?;
-    let setup = options.text("setup")?;
-    options.end()?;
+    options: Options<'_>,
+) -> PyResult<Answer<Simulation>> {
+    let Options { actual_plate, duration_s: seconds, no_table, sheet: is_sheet, finger, feeling, setup } = options;
+    let has_gains = !no_table;
+    seconds.map_or(Ok(()), |it| in_range("duration_s", it, Range::new(0.01, MAX_SECONDS, "s")))?;
+    let feeling = feeling::read(feeling.as_deref())?;
     let threads = available_parallelism().map_or(1, |count| count.get().min(THREADS_MAX));
     let solver = if is_sheet { Solver::Sheet { threads } } else { Solver::Line };
     let (plate, sounds, feeling) = match setup {
         None => (Arc::clone(plate), Sounds::Tones(tones(places, level)?), feeling),
         Some(path) if places.iter().all(Option::is_none) && level.is_none() => {
+            let path = path.to_string_lossy();
             let setup = setup_file(&path)?;
-            let feeling = NamedFeeling::of_setup(&setup, path);
+            let feeling = NamedFeeling::of_setup(&setup, path.into_owned());
             (Arc::clone(&setup.plate), Sounds::Setup(setup), feeling)
         }
         Some(_) => {
@@ -81,7 +88,7 @@ pub(crate) fn run(
         let given = "no_table beside felt_edge_m or a setup";
         return Err(Failure::wrong_arguments(given, "False: the table's gains set them").into());
     }
-    let actual = actual.map(|given| actual::plate(&given, Some(&plate))).transpose()?;
+    let actual = actual_plate.map(|given| actual::plate(&given, Some(&plate))).transpose()?;
     let request = SimulateRequest { plate, actual, has_gains, seconds, solver, finger };
     let drive = Drive { request, sounds, feeling };
     let found = compute(py, move |progress| drive.simulate(progress))?;

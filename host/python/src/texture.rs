@@ -2,6 +2,7 @@
 
 use crate::arguments::{ArrayLike, SERIES_MAX};
 use crate::error::Failure;
+use crate::result::kind::Texture;
 use crate::result::{Answer, fields};
 use crate::waiting::compute;
 use pyo3::prelude::*;
@@ -70,7 +71,7 @@ pub(crate) fn profile(given: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Vec<f64>)
 }
 
 /// Makes the texture of at most `most` tones.
-pub(crate) fn run(py: Python<'_>, plate: &Arc<Plate>, wanted: Wanted, most: usize) -> PyResult<Answer> {
+pub(crate) fn run(py: Python<'_>, plate: &Arc<Plate>, wanted: Wanted, most: usize) -> PyResult<Answer<Texture>> {
     let plate = Arc::clone(plate);
     let found = compute(py, move |progress| {
         let counts = Range::new(1.0, TONES_MAX as f64, "");

@@ -5,6 +5,7 @@ use super::{Block, Device, State, closed, lock};
 use crate::arguments::in_range;
 use crate::error::{Exception, Failure};
 use crate::plate::Plate as PyPlate;
+use crate::result::kind::PortInfo;
 use crate::result::{Answer, fields};
 use pyo3::prelude::*;
 use slipline_instrument::device_info::PortAnswer;
@@ -98,7 +99,7 @@ pub(super) fn take_signal() -> Option<PyErr> {
 /// The ports of this computer at which a device can be, as ``slipline ports``: results with ``port``, ``label``, ``is_ours`` and
 /// ``usb_serial``.
 #[pyfunction]
-pub(crate) fn ports(py: Python<'_>) -> PyResult<Vec<Answer>> {
+pub(crate) fn ports(py: Python<'_>) -> PyResult<Vec<Answer<PortInfo>>> {
     let ports = py.detach(list_ports);
     ports.iter().map(|info| Answer::of(py, fields(&PortAnswer::from(info)))).collect()
 }

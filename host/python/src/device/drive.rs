@@ -7,6 +7,7 @@ use crate::arguments::in_range;
 use crate::error::Failure;
 use crate::options::Options;
 use crate::place::{LEVEL, at_most_one};
+use crate::result::kind::Drive;
 use crate::result::{Answer, fields};
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
@@ -112,7 +113,7 @@ impl Device {
         tones: Vec<ToneRequest>,
         glide_s: f64,
         apply: Apply,
-    ) -> PyResult<Answer> {
+    ) -> PyResult<Answer<Drive>> {
         let step = Step::of(tones, glide_s)?;
         let loaded = self.loaded()?;
         self.sound(py, apply, move |_| step.prepare(&loaded))
@@ -122,10 +123,10 @@ impl Device {
     pub(super) fn play_texture(
         &self,
         py: Python<'_>,
-        texture: &Bound<'_, Answer>,
+        texture: &Bound<'_, PyAny>,
         glide_s: f64,
         apply: Apply,
-    ) -> PyResult<Answer> {
+    ) -> PyResult<Answer<Drive>> {
         check_glide(glide_s)?;
         let loaded = self.loaded()?;
         let plate: String = texture.getattr("plate")?.extract()?;
@@ -165,7 +166,7 @@ impl Device {
         py: Python<'_>,
         apply: Apply,
         make: impl FnOnce(&Client<InterruptibleLink>) -> Result<Prepared, Failure> + Send,
-    ) -> PyResult<Answer> {
+    ) -> PyResult<Answer<Drive>> {
         let waits = apply == Apply::AtTrigger;
         let (sent, answer) = self.call(py, move |client| {
             if waits && client.snapshot().has_trigger_input() == Some(false) {
@@ -190,7 +191,7 @@ impl Device {
         py: Python<'_>,
         steps: Vec<(u64, Step)>,
         limits: Limits,
-    ) -> PyResult<Vec<Answer>> {
+    ) -> PyResult<Vec<Answer<Drive>>> {
         let loaded = self.loaded()?;
         let (began, answers) = self.call(py, move |client| {
             let mut wait = limits.begin(client);
@@ -249,6 +250,6 @@ fn send(client: &Client<InterruptibleLink>, sounding: Sounding, apply: Apply) ->
     }
 }
 
-fn result_of(py: Python<'_>, answer: Map<String, Value>, is_superseded: bool) -> PyResult<Answer> {
+fn result_of(py: Python<'_>, answer: Map<String, Value>, is_superseded: bool) -> PyResult<Answer<Drive>> {
     Answer::of(py, answer)?.with(py, "superseded", is_superseded)
 }

@@ -1,7 +1,7 @@
 //! What Python calls on a device.
 
 use super::drive::{At, asked_tone, further_tone};
-use super::measure::Wish;
+use super::measure::{Band, Circuit, Wish};
 use super::step::Step;
 use super::wait::{Awaited, Limits};
 use super::{Block, Device, Loaded, closed, lock, may_be_armed, take_signal};
@@ -10,10 +10,11 @@ use crate::coroutine::{Coroutine, StatusIterator};
 use crate::error::Failure;
 use crate::measurement::Measurement;
 use crate::plate::Plate as PyPlate;
-use crate::result::{Answer, fields};
+use crate::result::kind::{Drive, Status, Verification};
+use crate::result::{Answer, ResultArgument, fields};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyType};
+use pyo3::types::PyType;
 use slipline_instrument::device_info::DeviceInfo;
 use slipline_instrument::hold::{Holding, MAX_RISE};
 use slipline_instrument::measure::verify_windows_s;
@@ -123,7 +124,7 @@ impl Device {
         tones: Option<Bound<'_, PyAny>>,
         glide_s: f64,
         at: Option<At>,
-    ) -> PyResult<Answer> {
+    ) -> PyResult<Answer<Drive>> {
         let first = asked_tone(felt_edge_m, turning_point_m, frequency_hz, level)?;
         let further = tones.map_or(Ok(Vec::new()), |tones| items("tones", &tones, MAX_TONES))?;
         let further = further.iter().map(|tone| further_tone(tone, level));
@@ -143,7 +144,7 @@ impl Device {
         py: Python<'_>,
         drives: &Bound<'_, PyAny>,
         timeout: Option<f64>,
-    ) -> PyResult<Vec<Answer>> {
+    ) -> PyResult<Vec<Answer<Drive>>> {
         let steps = items("drives", drives, Step::MOST)?;
         let steps = steps.iter().map(Step::read).collect::<PyResult<Vec<_>>>()?;
         self.play_steps(py, steps, Limits::new(timeout, None)?)
@@ -154,11 +155,11 @@ impl Device {
     fn play(
         &self,
         py: Python<'_>,
-        texture: &Bound<'_, Answer>,
+        texture: ResultArgument<'_>,
         glide_s: f64,
         at: Option<At>,
-    ) -> PyResult<Answer> {
-        self.play_texture(py, texture, glide_s, At::begin(at)?)
+    ) -> PyResult<Answer<Drive>> {
+        self.play_texture(py, &texture.0, glide_s, At::begin(at)?)
     }
 
     /// Waits until the device is at a sample index, until a drive has begun, or for ``seconds`` by the device's clock; returns
@@ -202,7 +203,7 @@ impl Device {
         let at_samples = match at_samples {
             None => slf.py().None().into_bound(slf.py()),
             Some(Awaited::Index(index)) => index.into_pyobject(slf.py())?.into_any(),
-            Some(Awaited::Drive(drive)) => drive.into_any(),
+            Some(Awaited::Drive(drive)) => drive,
         };
         let wait = slf.py().import("slipline._waiting")?.getattr("wait_async")?;
         Ok(Coroutine(wait.call1((slf, at_samples, seconds, timeout))?))
@@ -258,27 +259,39 @@ impl Device {
     /// Measures the response of the sensor at ``place_m`` to the device's tones; arms the device, and disarms it then, also where
     /// it fails or another thread stops it.
     ///
-    /// ``kind``: what the sensor measures; ``input``: ``"sensor"``, or ``"current"`` of the drive, which has no place. Options:
-    /// those of ``slipline measure`` for the frequencies (``points``, ``sweep``, ``to`` and, because it is a word of Python,
-    /// ``from_``), ``level`` and the drive circuit, by which quiet tones check that the drive is on.
-    #[pyo3(signature = (place_m=None, kind="displacement", input="sensor", **as_cli))]
+    /// ``kind``: what the sensor measures; ``input``: ``"sensor"``, or ``"current"`` of the drive, which has no place. ``points``
+    /// frequencies lie from ``low_hz`` to ``high_hz``; ``level`` is 0 to 1; ``sweep`` plays a gliding tone. By the drive circuit,
+    /// the amplifier's volts and the shunt's amperes at full scale and the coil's resistance or the piezo's capacitance, quiet tones
+    /// check that the drive is on.
+    #[pyo3(signature = (place_m=None, kind="displacement", input="sensor", *, points=None, low_hz=None, high_hz=None, level=None, sweep=false, amplifier_v=None, coil_ohm=None, piezo_f=None, shunt_a=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
     fn measure(
         &self,
         py: Python<'_>,
         place_m: Option<f64>,
         kind: &str,
         input: &str,
-        as_cli: Option<&Bound<'_, PyDict>>,
+        points: Option<usize>,
+        low_hz: Option<f64>,
+        high_hz: Option<f64>,
+        level: Option<f64>,
+        sweep: bool,
+        amplifier_v: Option<f64>,
+        coil_ohm: Option<f64>,
+        piezo_f: Option<f64>,
+        shunt_a: Option<f64>,
     ) -> PyResult<Measurement> {
         self.check_block("measure()")?;
-        self.measure_plate(py, Wish::new(place_m, kind, input, as_cli)?)
+        let band = Band { points, low_hz, high_hz, level, sweep };
+        let circuit = Circuit { amplifier_v, coil_ohm, piezo_f, shunt_a };
+        self.measure_plate(py, Wish::new(place_m, kind, input, band, circuit)?)
     }
 
     /// Compares the device's codes with those that they should be, in four windows; arms the device, and disarms it then.
     ///
     /// Plays up to 16 tones. The result has the fields ``equal`` and ``windows``.
     #[pyo3(signature = (*, tones=16, window_s=0.25))]
-    fn verify(&self, py: Python<'_>, tones: u8, window_s: f64) -> PyResult<Answer> {
+    fn verify(&self, py: Python<'_>, tones: u8, window_s: f64) -> PyResult<Answer<Verification>> {
         let of_tones = Range::new(1.0, MAX_TONES as f64, "");
         OutOfRange::check("tones", tones.into(), of_tones).map_err(|it| Failure::out_of_range(&it))?;
         self.check_block("verify()")?;
@@ -294,7 +307,7 @@ impl Device {
     }
 
     /// What the device reports of itself: the fields of ``slipline info --json``.
-    fn status(&self, py: Python<'_>) -> PyResult<Answer> {
+    fn status(&self, py: Python<'_>) -> PyResult<Answer<Status>> {
         let port = self.port.clone();
         let info = self.call(py, move |client| {
             client.refresh()?;

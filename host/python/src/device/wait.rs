@@ -2,11 +2,11 @@
 
 use super::{Device, lock};
 use crate::error::{Exception, Failure};
-use crate::result::Answer;
+use crate::result::ResultArgument;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
 use pyo3::types::PyInt;
-use pyo3::{Borrowed, PyTypeInfo, type_hint_union};
+use pyo3::{Borrowed, type_hint_union};
 use slipline_instrument::native::{Client, InterruptibleLink};
 use slipline_plate::quantity::{OutOfRange, Range};
 use std::time::{Duration, Instant};
@@ -20,17 +20,17 @@ pub(crate) enum Awaited<'py> {
     /// A sample index.
     Index(u64),
     /// The result of a drive.
-    Drive(Bound<'py, Answer>),
+    Drive(Bound<'py, PyAny>),
 }
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Awaited<'py> {
     type Error = PyErr;
     const INPUT_TYPE: PyStaticExpr =
-        type_hint_union!(<u64 as FromPyObject<'a, 'py>>::INPUT_TYPE, <Answer as PyTypeInfo>::TYPE_HINT);
+        type_hint_union!(<u64 as FromPyObject<'a, 'py>>::INPUT_TYPE, ResultArgument::TYPE);
 
     fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        if let Ok(drive) = given.cast::<Answer>() {
-            return Ok(Self::Drive(drive.to_owned()));
+        if let Some(ResultArgument(drive)) = ResultArgument::of(&given)? {
+            return Ok(Self::Drive(drive));
         }
         sample_index("at_samples", &given, "a sample index, or the result of drive() or stop()").map(Self::Index)
     }
@@ -171,7 +171,7 @@ impl Device {
         })
     }
 
-    fn wait_for_drive(&self, py: Python<'_>, drive: &Bound<'_, Answer>, limits: Limits) -> PyResult<u64> {
+    fn wait_for_drive(&self, py: Python<'_>, drive: &Bound<'_, PyAny>, limits: Limits) -> PyResult<u64> {
         if let Some(index) = drive.getattr("at_samples")?.extract()? {
             return self.wait_until(py, |_| Ok(index), limits);
         }
@@ -194,7 +194,7 @@ impl Device {
             Ok(began)
         })?;
         let Some(began) = began else {
-            drive.get().set(py, "superseded", true)?;
+            drive.setattr("superseded", true)?;
             return Err(superseded().into());
         };
         {
@@ -203,7 +203,7 @@ impl Device {
                 (state.began, state.accepted) = (Some(began), None);
             }
         }
-        drive.get().set(py, "at_samples", began)?;
+        drive.setattr("at_samples", began)?;
         Ok(began)
     }
 }

@@ -6,10 +6,11 @@ use crate::arguments::{ArrayLike, OneOrMore, SERIES_MAX, items, pair};
 use crate::calibrate;
 use crate::error::Failure;
 use crate::field;
+use crate::actual::PlateArgument;
 use crate::finger::FingerArgument;
 use crate::measurement::Measurement;
-use crate::options::Options;
 use crate::place::at_most_one;
+use crate::result::kind::{Calibration, Check, Field, Merit, Simulation, Table, Texture};
 use crate::result::{Answer, columns, fields};
 use crate::simulate;
 use crate::texture;
@@ -147,7 +148,7 @@ impl Plate {
         frequency_hz: Option<f64>,
         level: f64,
         off_centre: bool,
-    ) -> PyResult<Answer> {
+    ) -> PyResult<Answer<Check>> {
         let asked = at_most_one(felt_edge_m, turning_point_m, frequency_hz)?;
         let plate = Arc::clone(&self.plate);
         let found = compute(py, move |progress| {
@@ -186,7 +187,7 @@ impl Plate {
         finger: Option<FingerArgument>,
         paper_mode: bool,
         two_dimensions: bool,
-    ) -> PyResult<Answer> {
+    ) -> PyResult<Answer<Field>> {
         let finger = finger.map(|FingerArgument(finger)| finger);
         let asked = field::Asked { points, finger, paper_mode, two_dimensions };
         match frequencies_of(py, &self.plate, [frequency_hz, turning_point_m, felt_edge_m], level)? {
@@ -200,7 +201,7 @@ impl Plate {
     ///
     /// Raises ``OutOfRange`` for ``sample_rate_hz`` and for ``knots`` (2 to 1025); ``Refused`` if the plate has no table.
     #[pyo3(signature = (*, sample_rate_hz=400e3, knots=1025))]
-    fn table(&self, py: Python<'_>, sample_rate_hz: f64, knots: usize) -> PyResult<Answer> {
+    fn table(&self, py: Python<'_>, sample_rate_hz: f64, knots: usize) -> PyResult<Answer<Table>> {
         let plate = Arc::clone(&self.plate);
         let found = compute(py, move |progress| {
             let counts = Range::new(2.0, KNOTS_MAX as f64, "");
@@ -220,15 +221,16 @@ impl Plate {
     /// A drive through the whole signal chain and on the plate in time, as ``slipline simulate``.
     ///
     /// The tones are named by one of ``felt_edge_m``, ``turning_point_m`` and ``frequency_hz``: a number, or a sequence of up to
-    /// 16. ``level`` is 0 to 1, one for all or one for each; 0.8 by default. Options: ``actual_plate`` (a ``Plate``, a name or
-    /// ``"secret:SEED"``), ``seconds`` (0.01 to 600), ``no_table``, ``sheet``, ``finger`` (as for ``respond``), ``feeling`` (a
-    /// file), and ``setup`` (a setup file, in the place of tones).
+    /// 16. ``level`` is 0 to 1, one for all or one for each; 0.8 by default. ``actual_plate`` is a ``Plate``, a name or
+    /// ``"secret:SEED"``; ``duration_s`` is 0.01 to 600; ``no_table`` drives without the table's gains, ``sheet`` solves the sheet in
+    /// two dimensions; ``finger`` is as for ``respond``, ``feeling`` a file, and ``setup`` a setup file, in the place of tones.
     ///
     /// The fields are those of the first tone and of all; ``.tones`` has those of each.
     ///
     /// Raises ``OutOfRange``; ``Refused`` if no tone of this level has this felt edge, or the sum of the tones is too large;
     /// ``BadFile``.
-    #[pyo3(signature = (*, felt_edge_m=None, turning_point_m=None, frequency_hz=None, level=None, **as_cli))]
+    #[pyo3(signature = (*, felt_edge_m=None, turning_point_m=None, frequency_hz=None, level=None, actual_plate=None, duration_s=None, no_table=false, sheet=false, finger=None, feeling=None, setup=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
     fn simulate(
         &self,
         py: Python<'_>,
@@ -236,10 +238,17 @@ impl Plate {
         turning_point_m: Option<ArrayLike<'_>>,
         frequency_hz: Option<ArrayLike<'_>>,
         level: Option<ArrayLike<'_>>,
-        as_cli: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Answer> {
-        let options = Options::new("simulate", as_cli)?;
+        actual_plate: Option<PlateArgument<'_>>,
+        duration_s: Option<f64>,
+        no_table: bool,
+        sheet: bool,
+        finger: Option<FingerArgument>,
+        feeling: Option<PathBuf>,
+        setup: Option<PathBuf>,
+    ) -> PyResult<Answer<Simulation>> {
         let places = [felt_edge_m, turning_point_m, frequency_hz];
+        let finger = finger.map(|FingerArgument(finger)| finger);
+        let options = simulate::Options { actual_plate, duration_s, no_table, sheet, finger, feeling, setup };
         simulate::run(py, &self.plate, places, level, options)
     }
 
@@ -261,7 +270,7 @@ impl Plate {
         stripes_m: Option<f64>,
         beat: Option<Bound<'_, PyAny>>,
         tones: usize,
-    ) -> PyResult<Answer> {
+    ) -> PyResult<Answer<Texture>> {
         let profile = profile.map(|given| texture::profile(&given)).transpose()?;
         let beat = beat.map(|given| pair("beat", &given, "(place_m, beat_hz)")).transpose()?;
         let wanted = texture::Wanted { solid_m, profile, image, stripes_m, beat };
@@ -272,7 +281,7 @@ impl Plate {
     ///
     /// Raises ``OutOfRange``; ``Refused`` if there is no room for an even area before any of them.
     #[pyo3(signature = (*, turning_point_m=None))]
-    fn merit(&self, py: Python<'_>, turning_point_m: Option<f64>) -> PyResult<Vec<Answer>> {
+    fn merit(&self, py: Python<'_>, turning_point_m: Option<f64>) -> PyResult<Vec<Answer<Merit>>> {
         let asked = at_most_one(None, turning_point_m, None)?;
         let plate = Arc::clone(&self.plate);
         let found = compute(py, move |progress| {
@@ -292,24 +301,38 @@ impl Plate {
     /// The plate with its numbers fitted, as ``slipline calibrate``, by measurements of one sensor at two places or at one, by
     /// the drive's current, or by felt edges.
     ///
-    /// ``measurements`` is a sequence of one or two ``Measurement``, or ``()`` with ``touch``. Options: ``current`` (``"coil"`` or
-    /// ``"piezo"``: the measurement is that of the current); ``touch``, a sequence of ``(asked_m, felt_m)``, with ``level``,
-    /// ``touch_tolerance``, ``touched_drive`` (``"as-told"`` or ``"unknown"``) and ``feeling`` (a file); and the calipers'
-    /// ``half_width``, ``end_half_width``, ``length`` and ``calipers_tolerance``.
+    /// ``measurements`` is a sequence of one or two ``Measurement``, or ``()`` with ``touch``. ``current`` is ``"coil"`` or
+    /// ``"piezo"``: the measurement is that of the current. ``touch`` is a sequence of ``(asked_m, felt_m)``, with ``level``,
+    /// ``touch_tolerance_m``, ``touched_drive`` (``"as-told"`` or ``"unknown"``) and ``feeling`` (a file). The calipers gave
+    /// ``half_width_m``, ``end_half_width_m`` and ``length_m``, within ``calipers_tolerance_m``.
     ///
     /// ``.plate`` is the calibrated plate, or ``None`` where ``.accepted`` is false; then ``.reason`` says why.
     ///
     /// Raises ``OutOfRange``, ``Refused`` and ``BadFile``. After Ctrl-C the fit runs on in the background, and its
     /// result is dropped.
-    #[pyo3(signature = (measurements, **as_cli))]
+    #[pyo3(signature = (measurements, *, current=None, touch=None, level=None, touch_tolerance_m=None, touched_drive=None, feeling=None, half_width_m=None, end_half_width_m=None, length_m=None, calipers_tolerance_m=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
     fn calibrate(
         &self,
         py: Python<'_>,
         measurements: &Bound<'_, PyAny>,
-        as_cli: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Answer> {
+        current: Option<&str>,
+        touch: Option<Bound<'_, PyAny>>,
+        level: Option<f64>,
+        touch_tolerance_m: Option<f64>,
+        touched_drive: Option<&str>,
+        feeling: Option<PathBuf>,
+        half_width_m: Option<f64>,
+        end_half_width_m: Option<f64>,
+        length_m: Option<f64>,
+        calipers_tolerance_m: Option<f64>,
+    ) -> PyResult<Answer<Calibration>> {
         let measurements: Vec<Bound<'_, Measurement>> = items("measurements", measurements, 2)?;
         let measured = measurements.iter().map(|measurement| Arc::clone(&measurement.get().inner)).collect();
-        calibrate::run(py, &self.plate, measured, Options::new("calibrate", as_cli)?)
+        let current = calibrate::transducer(current)?;
+        let calipers =
+            calibrate::calipers(half_width_m, end_half_width_m, length_m, calipers_tolerance_m)?;
+        let touches = calibrate::Touches { touch, level, touch_tolerance_m, touched_drive, feeling };
+        calibrate::run(py, &self.plate, measured, current, calipers, touches.read()?)
     }
 }
