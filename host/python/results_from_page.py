@@ -142,7 +142,7 @@ class Writer:
             own = top + (singular(key) if node.is_list else "".join(word.capitalize() for word in key.split("_")))
             doc = f"One of ``{key}`` of a result." if node.is_list else f"``{key}`` of a result."
             inner = self.class_of(usual.get(key, own), node, doc, top)
-            return (f"list[{inner}]" if node.is_list else f"{inner} | None", inner)
+            return (f"Results[{inner}]" if node.is_list else f"{inner} | None", inner)
         kind = scalar(node)
         if node.is_list:
             return ("list[str]" if kind == "str" else f"NDArray[np.{'float64' if kind == 'float' else 'int64' if kind == 'int' else 'bool_'}]", None)
@@ -178,11 +178,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ._result import Result
+from ._result import Result, Results
 from ._slipline import Plate
 
 '''
-    names = sorted([*writer.classes, "Result"])
+    names = sorted([*writer.classes, "Result", "Results"])
     listed = "__all__ = [\n" + "".join(f'    "{name}",\n' for name in names) + "]\n"
     return head + listed + "\n\n" + "\n\n".join(writer.classes.values())
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from . import _shown
 
@@ -28,7 +28,8 @@ class Result:
             kind = self._nested.get(name)
             return (getattr(sys.modules[type(self).__module__], kind) if kind else Result)(value)
         if isinstance(value, list):
-            return [self._typed(name, item) for item in value]
+            items = [self._typed(name, item) for item in value]
+            return Results(items) if items and isinstance(items[0], Result) else items
         return value
 
     def _fields(self) -> dict[str, Any]:
@@ -62,3 +63,17 @@ class Result:
         """Draws a field, a simulated envelope, a drive table or the lights of a check with matplotlib, into ``axes`` or new ones, which
         it returns."""
         return _shown.plot(self.__dict__, axes)
+
+
+R = TypeVar("R", bound=Result)
+
+
+class Results(list[R]):
+    """A list of results, which a notebook shows as a table with a row for each."""
+
+    def _repr_html_(self) -> str:
+        return _shown.list_table(self)
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` with a row for each result and a column for each field that is one value. Needs pandas."""
+        return _shown.frame(self)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import html
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from . import Result
+    from ._result import Result
 
 #: Numbers that are shown of an array.
 _SHOWN = 3
@@ -78,7 +79,7 @@ def rows(fields: dict[str, Any], name: str | None) -> list[Result]:
     return found
 
 
-def frame(results: list[Result]) -> Any:
+def frame(results: Sequence[Result]) -> Any:
     """A ``pandas.DataFrame`` with a row for each result and a column for each field that is one value."""
     import pandas
 
@@ -112,7 +113,7 @@ def table(fields: dict[str, Any]) -> str:
     return list_table(rows(fields, None) if "lights" in fields or "tones" in fields else lists[0])
 
 
-def list_table(results: list[Result]) -> str:
+def list_table(results: Sequence[Result]) -> str:
     """HTML of a list of results: a row for each."""
     shown = [{name: item for name, item in one._fields().items() if np.ndim(item) == 0 and not hasattr(item, "_fields")} for one in results]
     return _html(shown)

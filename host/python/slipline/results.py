@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ._result import Result
+from ._result import Result, Results
 from ._slipline import Plate
 
 __all__ = [
@@ -33,6 +33,7 @@ __all__ = [
     "Merit",
     "PortInfo",
     "Result",
+    "Results",
     "Simulation",
     "SimulationFeeling",
     "SimulationTone",
@@ -283,7 +284,7 @@ class Simulation(Result):
     """Time that was simulated; s."""
     slow_beat_hz: float | None
     """Beat that the measured time does not resolve; None if there is none; Hz."""
-    tones: list[SimulationTone]
+    tones: Results[SimulationTone]
     turning_point_m: float
     """Where the wave turns; m."""
     two_dimensions: SimulationTwoDimensions | None
@@ -332,7 +333,7 @@ class Light(Result):
     """Name."""
     sentence: str
     """Meaning of the light, and a remedy."""
-    stretches: list[CheckStretch]
+    stretches: Results[CheckStretch]
     turning_point_m: float
     """Where the wave turns; m."""
     unit: str
@@ -350,7 +351,7 @@ class Check(Result):
     """Lowest and highest frequency of the check; Hz."""
     level_tolerance_db: float | None
     """Half of the 95 % interval of the level; None where no levels were measured; dB."""
-    lights: list[Light]
+    lights: Results[Light]
     plate: str
     """Name of the plate."""
     turning_point_m: float
@@ -513,7 +514,7 @@ class TextureRead(Result):
 
     _nested = {"columns": "TextureColumn"}
 
-    columns: list[TextureColumn]
+    columns: Results[TextureColumn]
     file: str
     """The file that was read."""
     rows: int
@@ -569,7 +570,7 @@ class Texture(Result):
     """Depth of the stripes under a contact; None for others; dB."""
     stripes_m: float | None
     """Distance of the stripes in the middle; None for others; m."""
-    tones: list[TextureTone]
+    tones: Results[TextureTone]
     wanted_rms_m: NDArray[np.float64]
     """The wanted RMS amplitude at each place; m."""
     worst_ripple_db: float
@@ -620,7 +621,7 @@ class Calibration(Result):
     """Half of the 95 % interval of the level; None where no levels were measured; dB."""
     misfit: float | None
     """Error of the model that explains the deviation; None by touches."""
-    parameters: list[CalibrationParameter]
+    parameters: Results[CalibrationParameter]
     plate: Plate | None
     """The calibrated plate; None where it is not accepted."""
     reason: str | None
@@ -673,7 +674,7 @@ class Drive(Result):
     stopped_at_samples: int | None
     """Index of the sample at which it stopped; None if it did not begin; samples."""
     table: DriveTable | None
-    tones: list[DriveTone]
+    tones: Results[DriveTone]
     superseded: bool
     """Whether a newer drive or a stop took its place before the device had accepted it."""
 
@@ -704,7 +705,7 @@ class Verification(Result):
     """Whether the codes of device and mirror are equal."""
     port: str
     """The port, as --port takes it."""
-    windows: list[VerificationWindow]
+    windows: Results[VerificationWindow]
 
 
 class StatusCounters(Result):

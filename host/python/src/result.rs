@@ -11,7 +11,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
 use pyo3::types::{PyComplex, PyDict, PyList};
-use pyo3::{Borrowed, type_hint_identifier};
+use pyo3::{Borrowed, type_hint_identifier, type_hint_subscript};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::marker::PhantomData;
@@ -74,6 +74,23 @@ impl<K> Answer<K> {
     ) -> PyResult<Self> {
         self.fields.bind(py).set_item(name, value)?;
         Ok(self)
+    }
+}
+
+/// Results of this kind: a list that a notebook shows as a table.
+#[derive(Debug)]
+pub(crate) struct Answers<K>(pub(crate) Vec<Answer<K>>);
+
+impl<'py, K: Kind> IntoPyObject<'py> for Answers<K> {
+    type Target = PyAny;
+    type Output = Bound<'py, PyAny>;
+    type Error = PyErr;
+    const OUTPUT_TYPE: PyStaticExpr =
+        type_hint_subscript!(type_hint_identifier!("slipline.results", "Results"), K::TYPE);
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Self::Output> {
+        let results = self.0.into_iter().map(|answer| answer.into_pyobject(py)).collect::<PyResult<Vec<_>>>()?;
+        py.import("slipline.results")?.call_method1("Results", (results,))
     }
 }
 

@@ -11,7 +11,7 @@ use crate::finger::FingerArgument;
 use crate::measurement::Measurement;
 use crate::place::at_most_one;
 use crate::result::kind::{Calibration, Check, Field, Merit, Simulation, Table, Texture};
-use crate::result::{Answer, columns, fields};
+use crate::result::{Answer, Answers, columns, fields};
 use crate::simulate;
 use crate::texture;
 use crate::waiting::compute;
@@ -281,7 +281,7 @@ impl Plate {
     ///
     /// Raises ``OutOfRange``; ``Refused`` if there is no room for an even area before any of them.
     #[pyo3(signature = (*, turning_point_m=None))]
-    fn merit(&self, py: Python<'_>, turning_point_m: Option<f64>) -> PyResult<Vec<Answer<Merit>>> {
+    fn merit(&self, py: Python<'_>, turning_point_m: Option<f64>) -> PyResult<Answers<Merit>> {
         let asked = at_most_one(None, turning_point_m, None)?;
         let plate = Arc::clone(&self.plate);
         let found = compute(py, move |progress| {
@@ -295,7 +295,8 @@ impl Plate {
             let merits = merits.map_err(|error| Failure::of(&error))?;
             Ok(MeritAnswer::of(&plate, &merits).turning_points.iter().map(fields).collect::<Vec<_>>())
         })?;
-        found.into_iter().map(|merit| Answer::of(py, merit)).collect()
+        let merits = found.into_iter().map(|merit| Answer::of(py, merit));
+        Ok(Answers(merits.collect::<PyResult<Vec<_>>>()?))
     }
 
     /// The plate with its numbers fitted, as ``slipline calibrate``, by measurements of one sensor at two places or at one, by
