@@ -81,7 +81,7 @@ pub(crate) fn no_such_tone(error: NoSuchTone) -> Failure {
             let nearest = refused.reach_m.iter().copied().min_by(|a, b| away_m(a).total_cmp(&away_m(b)));
             match nearest {
                 Some(reach_m) => Failure::number(error.to_string(), "felt_edge_m", place_m, reach_m),
-                None => Failure::refused(error),
+                None => Failure::refused(&error),
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::error::Failure;
 use crate::options::Options;
 use crate::place::{LEVEL, at_most_one};
 use crate::result::kind::Drive;
-use crate::result::{Answer, fields};
+use crate::result::Answer;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -20,7 +20,7 @@ use slipline_link::Sounding;
 use slipline_link::protocol::command::Apply;
 use slipline_model::setup::{GLIDE_RANGE_S, Setup};
 use slipline_model::texture::{chord_of, setup_of, sounding};
-use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::quantity::Range;
 use slipline_plate::texture::TextureTone;
 use std::sync::Arc;
 
@@ -221,8 +221,7 @@ impl Device {
     }
 
     /// Ends what sounds at this sample index; returns the index at which it begins to fade.
-    pub(super) fn stop_at(&self, py: Python<'_>, at: &Bound<'_, PyAny>, glide_s: f64) -> PyResult<u64> {
-        let at = sample_index("at", at, "None, or a sample index")?;
+    pub(super) fn stop_at(&self, py: Python<'_>, at: u64, glide_s: f64) -> PyResult<u64> {
         check_glide(glide_s)?;
         let limits = Limits::new(None, None)?;
         self.call(py, move |client| {

@@ -3,7 +3,7 @@
 use super::drive::{At, asked_tone, further_tone};
 use super::measure::{Band, Circuit, Wish};
 use super::step::Step;
-use super::wait::{Awaited, Limits};
+use super::wait::{Awaited, Limits, SampleIndex};
 use super::{Block, Device, Loaded, closed, lock, may_be_armed, take_signal};
 use crate::arguments::items;
 use crate::coroutine::{Coroutine, StatusIterator};
@@ -224,10 +224,10 @@ impl Device {
     /// tones fade from there on for ``glide_s``, 5 ms to 10 s. If it has passed, the ramp begins now: the returned index says so.
     /// It is one change ahead, as a drive for an index, and the next drive waits until it has begun.
     #[pyo3(signature = (*, at=None, glide_s=0.02))]
-    fn stop(&self, py: Python<'_>, at: Option<Bound<'_, PyAny>>, glide_s: f64) -> PyResult<u64> {
+    fn stop(&self, py: Python<'_>, at: Option<SampleIndex>, glide_s: f64) -> PyResult<u64> {
         match at {
             None => self.call(py, |client| Ok(client.stop()?)),
-            Some(at) => self.stop_at(py, &at, glide_s),
+            Some(SampleIndex(at)) => self.stop_at(py, at, glide_s),
         }
     }
 

@@ -36,6 +36,19 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Awaited<'py> {
     }
 }
 
+/// A sample index as the argument `at`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SampleIndex(pub(super) u64);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for SampleIndex {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = <u64 as FromPyObject<'a, 'py>>::INPUT_TYPE;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        sample_index("at", &given, "None, or a sample index").map(Self)
+    }
+}
+
 /// A sample index.
 pub(super) fn sample_index(name: &str, given: &Bound<'_, PyAny>, allowed: &str) -> PyResult<u64> {
     given.extract().map_err(|_| {
@@ -140,7 +153,7 @@ impl Device {
             (Some(Awaited::Drive(drive)), None) => self.wait_for_drive(py, &drive, limits),
             (None, Some(seconds)) => {
                 OutOfRange::check("seconds", seconds, WAITS).map_err(|it| Failure::out_of_range(&it))?;
-                let index = move |client: &Client<InterruptibleLink>| {
+                let index = move |client: &Client<InterruptibleLink>| -> Result<u64, Failure> {
                     let rate_hz = f64::from(client.identity()?.sample_rate_hz);
                     Ok(client.refresh()?.saturating_add((seconds * rate_hz).round() as u64))
                 };
@@ -172,7 +185,7 @@ impl Device {
     }
 
     fn wait_for_drive(&self, py: Python<'_>, drive: &Bound<'_, PyAny>, limits: Limits) -> PyResult<u64> {
-        if let Some(index) = drive.getattr("at_samples")?.extract()? {
+        if let Some(index) = drive.getattr("at_samples")?.extract::<Option<u64>>()? {
             return self.wait_until(py, |_| Ok(index), limits);
         }
         let is_superseded = drive.getattr("superseded").is_ok_and(|it| it.is_truthy().unwrap_or(false));
