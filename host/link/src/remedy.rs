@@ -21,9 +21,7 @@ pub const fn remedy(fault: Fault) -> &'static str {
         Fault::BrownOut => "check the supply and its cable",
         Fault::StoreDamaged => "keep a table, or write the actuator's profile, again",
         Fault::StoreFellBack => "keep the table again",
-        Fault::DeskStop => {
-            "release the button at the device, or close its stop input, and wait for 2 s"
-        }
+        Fault::DeskStop => "release the button at the device, or close its stop input, and wait for 2 s",
         Fault::ProfileFellBack => "hold the board's user button meanwhile, or write the profile again",
     }
 }

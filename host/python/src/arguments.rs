@@ -116,17 +116,31 @@ impl ArrayLike<'_> {
     fn numbers(&self, name: &str, array: &Bound<'_, PyUntypedArray>, most: usize) -> PyResult<Vec<f64>> {
         if array.ndim() > 1 {
             let text = format!("{name} of the shape {}", array.getattr("shape")?);
-            return Err(Failure::value(must_be(text, "a number, or a series of numbers in one dimension")).into());
+            return Err(
+                Failure::value(must_be(text, "a number, or a series of numbers in one dimension")).into()
+            );
         }
         match array.len() {
-            0 => return Err(Failure::value(must_be(format_args!("{name} of no number"), "one or more")).into()),
+            0 => {
+                return Err(
+                    Failure::value(must_be(format_args!("{name} of no number"), "one or more")).into()
+                );
+            }
             count if count > most => {
-                let (message, range) = (format!("{name} of {count} numbers: must be 1 to {most} of them"), (1.0, most as f64));
-                return Err(Failure::OutOfRange { message, field: name.to_owned(), value: count as f64, range }.into());
+                let (message, range) =
+                    (format!("{name} of {count} numbers: must be 1 to {most} of them"), (1.0, most as f64));
+                return Err(Failure::OutOfRange {
+                    message,
+                    field: name.to_owned(),
+                    value: count as f64,
+                    range,
+                }
+                .into());
             }
             _ => {}
         }
-        let floats = array.call_method1("astype", ("float64",)).map_err(|error| self.no_numbers(name, &error))?;
+        let floats =
+            array.call_method1("astype", ("float64",)).map_err(|error| self.no_numbers(name, &error))?;
         let floats = floats.cast_into::<PyArray1<f64>>()?;
         let mut numbers = reserved(floats.len())?;
         numbers.extend(floats.readonly().as_array().iter().copied());
@@ -222,7 +236,8 @@ where
     let mut items = Vec::new();
     for item in given.try_iter().map_err(|_| wrong(given))? {
         if items.len() == most {
-            let (message, range) = (format!("more than {most} {name}: must be at most {most}"), (0.0, most as f64));
+            let (message, range) =
+                (format!("more than {most} {name}: must be at most {most}"), (0.0, most as f64));
             let value = most as f64 + 1.0;
             return Err(Failure::OutOfRange { message, field: name.to_owned(), value, range }.into());
         }

@@ -31,10 +31,8 @@ impl<'py> IntoPyObject<'py> for StatusIterator<'py> {
     type Target = PyAny;
     type Output = Bound<'py, PyAny>;
     type Error = Infallible;
-    const OUTPUT_TYPE: PyStaticExpr = type_hint_subscript!(
-        type_hint_identifier!("collections.abc", "Iterator"),
-        <Status as Kind>::TYPE
-    );
+    const OUTPUT_TYPE: PyStaticExpr =
+        type_hint_subscript!(type_hint_identifier!("collections.abc", "Iterator"), <Status as Kind>::TYPE);
 
     fn into_pyobject(self, _py: Python<'py>) -> Result<Self::Output, Infallible> {
         Ok(self.0)

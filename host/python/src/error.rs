@@ -100,7 +100,10 @@ impl Failure {
     /// `MemoryError`: there is no room for `count` values of this size in bytes.
     pub(crate) fn memory(count: usize, bytes: usize) -> Self {
         let gigabytes = count as f64 * bytes as f64 / 1e9;
-        Self::Because(Exception::Memory, format!("the result would take {gigabytes:.1} GB: ask for it in parts"))
+        Self::Because(
+            Exception::Memory,
+            format!("the result would take {gigabytes:.1} GB: ask for it in parts"),
+        )
     }
 
     /// `slipline.BadFile`: the file's name and the reason.

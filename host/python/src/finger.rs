@@ -18,7 +18,10 @@ impl<'a, 'py> FromPyObject<'a, 'py> for FingerArgument {
     type Error = PyErr;
     const INPUT_TYPE: PyStaticExpr = type_hint_subscript!(
         type_hint_identifier!("collections.abc", "Sequence"),
-        type_hint_union!(type_hint_identifier!("builtins", "float"), type_hint_identifier!("builtins", "str"))
+        type_hint_union!(
+            type_hint_identifier!("builtins", "float"),
+            type_hint_identifier!("builtins", "str")
+        )
     );
 
     fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {

@@ -133,7 +133,9 @@ impl Measurement {
                 let rms = (square / responses.len().max(1) as f64).sqrt();
                 vec![(rms * 10f64.powf(-snr_db / 20.0)).max(1e-30); count]
             }
-            (Some(_), Some(_)) => return Err(Failure::wrong_arguments("noise and snr_db", "one of them").into()),
+            (Some(_), Some(_)) => {
+                return Err(Failure::wrong_arguments("noise and snr_db", "one of them").into());
+            }
         };
         let headroom_db = match headroom_db {
             Some(headroom_db) => headroom_db.one_or_more("headroom_db", POINTS_MAX)?.repeated(count),
@@ -154,7 +156,8 @@ impl Measurement {
             noise,
             headroom_db: Some(headroom_db).filter(|headroom_db| !headroom_db.is_nan()),
         });
-        let usual = slipline_plate::calibrate::Measurement::at(place_m, sensor_kind(sensor)?, points.collect());
+        let usual =
+            slipline_plate::calibrate::Measurement::at(place_m, sensor_kind(sensor)?, points.collect());
         let place_tolerance_m = place_tolerance_m.unwrap_or(usual.place_tolerance_m);
         let measurement = slipline_plate::calibrate::Measurement {
             place_tolerance_m,

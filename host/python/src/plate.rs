@@ -40,7 +40,11 @@ pub(crate) fn file_failure(error: &(dyn std::error::Error + 'static)) -> Failure
 
 /// Refuses a text that is longer than a file of its kind may be.
 pub(crate) fn check_length(name: &str, text: &str, most: usize) -> Result<(), Failure> {
-    if text.len() <= most { Ok(()) } else { Err(Failure::bad_file(name, format_args!("its text is longer than {most} bytes"))) }
+    if text.len() <= most {
+        Ok(())
+    } else {
+        Err(Failure::bad_file(name, format_args!("its text is longer than {most} bytes")))
+    }
 }
 
 /// The plate of a preset's name or a path.

@@ -89,7 +89,8 @@ impl<'py, K: Kind> IntoPyObject<'py> for Answers<K> {
         type_hint_subscript!(type_hint_identifier!("slipline.results", "Results"), K::TYPE);
 
     fn into_pyobject(self, py: Python<'py>) -> PyResult<Self::Output> {
-        let results = self.0.into_iter().map(|answer| answer.into_pyobject(py)).collect::<PyResult<Vec<_>>>()?;
+        let results =
+            self.0.into_iter().map(|answer| answer.into_pyobject(py)).collect::<PyResult<Vec<_>>>()?;
         py.import("slipline.results")?.call_method1("Results", (results,))
     }
 }

@@ -63,7 +63,8 @@ pub(crate) fn run(
     level: Option<ArrayLike<'_>>,
     options: Options<'_>,
 ) -> PyResult<Answer<Simulation>> {
-    let Options { actual_plate, duration_s: seconds, no_table, sheet: is_sheet, finger, feeling, setup } = options;
+    let Options { actual_plate, duration_s: seconds, no_table, sheet: is_sheet, finger, feeling, setup } =
+        options;
     let has_gains = !no_table;
     seconds.map_or(Ok(()), |it| in_range("duration_s", it, Range::new(0.01, MAX_SECONDS, "s")))?;
     let feeling = feeling::read(feeling.as_deref())?;
@@ -98,8 +99,9 @@ pub(crate) fn run(
 /// The tones of the arguments.
 fn tones(places: [Option<ArrayLike<'_>>; 3], level: Option<ArrayLike<'_>>) -> PyResult<Vec<ToneRequest>> {
     let [felt_edges_m, turning_points_m, frequencies_hz] = places;
-    let numbers = |given: Option<ArrayLike<'_>>, name| {
-        given.map(|given| Ok(given.one_or_more(name, MAX_TONES)?.numbers())).transpose()
+    let numbers = |given: Option<ArrayLike<'_>>, name: &str| -> PyResult<Option<Vec<f64>>> {
+        let numbers = given.map(|given| given.one_or_more(name, MAX_TONES)).transpose()?;
+        Ok(numbers.map(OneOrMore::numbers))
     };
     let felt_edges_m = numbers(felt_edges_m, "felt_edge_m")?;
     let turning_points_m = numbers(turning_points_m, "turning_point_m")?;

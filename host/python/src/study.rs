@@ -1,7 +1,7 @@
 //! The class `_Study`: a specification, and any range of its plates. `slipline/study.py` spreads the ranges and keeps the store.
 
-use crate::error::Failure;
 use crate::arguments::reserved;
+use crate::error::Failure;
 use crate::plate::{Plate, check_length, file_failure, named};
 use crate::waiting::compute;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};

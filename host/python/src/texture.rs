@@ -71,7 +71,12 @@ pub(crate) fn profile(given: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Vec<f64>)
 }
 
 /// Makes the texture of at most `most` tones.
-pub(crate) fn run(py: Python<'_>, plate: &Arc<Plate>, wanted: Wanted, most: usize) -> PyResult<Answer<Texture>> {
+pub(crate) fn run(
+    py: Python<'_>,
+    plate: &Arc<Plate>,
+    wanted: Wanted,
+    most: usize,
+) -> PyResult<Answer<Texture>> {
     let plate = Arc::clone(plate);
     let found = compute(py, move |progress| {
         let counts = Range::new(1.0, TONES_MAX as f64, "");

@@ -7,8 +7,8 @@ use crate::arguments::in_range;
 use crate::error::Failure;
 use crate::options::Options;
 use crate::place::{LEVEL, at_most_one};
-use crate::result::kind::Drive;
 use crate::result::Answer;
+use crate::result::kind::Drive;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -202,10 +202,8 @@ impl Device {
             if let Some((_, prepared)) = made.first() {
                 prepared.check_table(&client.snapshot())?;
             }
-            let drives = made.iter().map(|(at, prepared)| TimedDrive {
-                at: *at,
-                sounding: prepared.sounding.clone(),
-            });
+            let drives =
+                made.iter().map(|(at, prepared)| TimedDrive { at: *at, sounding: prepared.sounding.clone() });
             let began = client.play_each(drives.collect(), || wait.goes_on())?;
             wait.check()?;
             let answers = made.iter().zip(&began).map(|((_, prepared), &at)| prepared.answer(client, at));

@@ -46,7 +46,9 @@ fn by_device(refused: refusal::Refusal, error: &ClientError) -> Failure {
     match refused {
         refusal::Refusal::Faulted { faults } => fault(faults, error),
         refusal::Refusal::OutOfRange { field: Field::ApplyAt, min, max, got } => Failure::OutOfRange {
-            message: format!("at = {got}: it has passed, or is too far ahead; the device takes {min} to {max} now"),
+            message: format!(
+                "at = {got}: it has passed, or is too far ahead; the device takes {min} to {max} now"
+            ),
             field: "at".to_owned(),
             value: got as f64,
             range: (min as f64, max as f64),

@@ -52,7 +52,11 @@ impl Step {
     pub(super) fn read(given: &Bound<'_, PyDict>) -> PyResult<(u64, Self)> {
         let mut options = Options::new("sequence", Some(given))?;
         let Some(at) = options.take("at")? else {
-            return Err(Failure::wrong_arguments("a drive of sequence() without at", "one with a sample index").into());
+            return Err(Failure::wrong_arguments(
+                "a drive of sequence() without at",
+                "one with a sample index",
+            )
+            .into());
         };
         let at = sample_index("at", &at, "a sample index")?;
         let level = options.number("level", LEVEL)?.unwrap_or(USUAL_LEVEL);

@@ -32,7 +32,8 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Awaited<'py> {
         if let Some(ResultArgument(drive)) = ResultArgument::of(&given)? {
             return Ok(Self::Drive(drive));
         }
-        sample_index("at_samples", &given, "a sample index, or the result of drive() or stop()").map(Self::Index)
+        sample_index("at_samples", &given, "a sample index, or the result of drive() or stop()")
+            .map(Self::Index)
     }
 }
 

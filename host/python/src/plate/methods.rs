@@ -1,12 +1,12 @@
 //! What is computed on a plate: the calls of the class.
 
-use super::{Plate, check_length, file_failure, named};
 use super::numbers::{flatten, frequencies_of, frequency_of, replaced};
+use super::{Plate, check_length, file_failure, named};
+use crate::actual::PlateArgument;
 use crate::arguments::{ArrayLike, OneOrMore, SERIES_MAX, items, pair};
 use crate::calibrate;
 use crate::error::Failure;
 use crate::field;
-use crate::actual::PlateArgument;
 use crate::finger::FingerArgument;
 use crate::measurement::Measurement;
 use crate::place::at_most_one;
@@ -80,7 +80,11 @@ impl Plate {
     /// The frequency whose wave turns at ``turning_point_m``, Hz: a number, or an array for a series.
     ///
     /// Raises ``OutOfRange`` beyond the plate's span.
-    fn frequency_hz<'py>(&self, py: Python<'py>, turning_point_m: ArrayLike<'_>) -> PyResult<Bound<'py, PyAny>> {
+    fn frequency_hz<'py>(
+        &self,
+        py: Python<'py>,
+        turning_point_m: ArrayLike<'_>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         let places_m = turning_point_m.one_or_more("turning_point_m", SERIES_MAX)?;
         places_m.map(|place_m| frequency_of(&self.plate, place_m))?.into_python(py)
     }
@@ -88,7 +92,11 @@ impl Plate {
     /// The turning point of the wave of ``frequency_hz``, metres: a number, or an array for a series.
     ///
     /// Raises ``OutOfRange`` beyond the plate's band.
-    fn turning_point_m<'py>(&self, py: Python<'py>, frequency_hz: ArrayLike<'_>) -> PyResult<Bound<'py, PyAny>> {
+    fn turning_point_m<'py>(
+        &self,
+        py: Python<'py>,
+        frequency_hz: ArrayLike<'_>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         let frequencies_hz = frequency_hz.one_or_more("frequency_hz", SERIES_MAX)?;
         let turns = |hz| turning_point_on(PlaceOrFrequency::Frequency(hz), &self.plate);
         frequencies_hz.map(|hz| turns(hz).map_err(|it| Failure::out_of_range(&it)))?.into_python(py)
@@ -331,8 +339,7 @@ impl Plate {
         let measurements: Vec<Bound<'_, Measurement>> = items("measurements", measurements, 2)?;
         let measured = measurements.iter().map(|measurement| Arc::clone(&measurement.get().inner)).collect();
         let current = calibrate::transducer(current)?;
-        let calipers =
-            calibrate::calipers(half_width_m, end_half_width_m, length_m, calipers_tolerance_m)?;
+        let calipers = calibrate::calipers(half_width_m, end_half_width_m, length_m, calipers_tolerance_m)?;
         let touches = calibrate::Touches { touch, level, touch_tolerance_m, touched_drive, feeling };
         calibrate::run(py, &self.plate, measured, current, calipers, touches.read()?)
     }

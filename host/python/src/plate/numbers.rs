@@ -43,7 +43,8 @@ pub(super) fn frequencies_of(
             crate::arguments::in_range("level", level, crate::place::LEVEL)?;
             let plate = Arc::clone(plate);
             compute(py, move |progress| {
-                let (table, _) = table_for_watched(&plate, SAMPLE_RATE_HZ, progress).map_err(|it| Failure::of(&it))?;
+                let (table, _) =
+                    table_for_watched(&plate, SAMPLE_RATE_HZ, progress).map_err(|it| Failure::of(&it))?;
                 let setup = Setup::new(Arc::clone(&plate));
                 numbers.map(|edge_m| {
                     let place_m = turning_point_of(AskedPlace::FeltEdge(edge_m), &setup, level, &table)?;
