@@ -116,11 +116,11 @@ def test_the_lights_of_one_tone_match_the_command_line(command):
 
 @pytest.mark.parametrize("material, thickness, band, length, options, arguments", [
     ("aluminium", 2e-3, (20e3, 40e3), 0.3, {}, []),
-    ("aluminium", 2e-3, (20e3, 40e3), 0.3, {"edge": "clamped", "air": "baffle", "thin": True, "loss": 0.002},
+    ("aluminium", 2e-3, (20e3, 40e3), 0.3, {"edge": "clamped", "air": "baffle", "thin": True, "loss_factor": 0.002},
      ["--edge", "clamped", "--air", "baffle", "--thin", "--loss", "0.002"]),
-    ("latex", 5e-4, (80.0, 220.0), 0.4, {"tension": 68.4, "rim": 0.03, "name": "skin", "end_margin": 0.08},
+    ("latex", 5e-4, (80.0, 220.0), 0.4, {"tension_n_per_m": 68.4, "rim_m": 0.03, "name": "skin", "end_margin_m": 0.08},
      ["--tension", "68.4N/m", "--rim", "0.03m", "--name", "skin", "--end-margin", "0.08m"]),
-    ("latex", 5e-4, (80.0, 220.0), 0.4, {"wave_speed": 12.0, "full_scale": 2e-4, "start_margin": 0.05},
+    ("latex", 5e-4, (80.0, 220.0), 0.4, {"wave_speed_m_per_s": 12.0, "full_scale_m": 2e-4, "start_margin_m": 0.05},
      ["--wave-speed", "12m/s", "--full-scale", "2e-4m", "--start-margin", "0.05m"]),
     ("acrylic", 2e-3, (20e3, 40e3), 0.3, {"shear": True}, ["--shear"]),
 ])
@@ -147,7 +147,7 @@ def test_a_simulated_drive_matches_the_command_line(command, name):
     plate = slipline.Plate(name)
     hz = middle_hz(plate)
     asked = command("simulate", "--plate", name, "--turning-point", f"{hz!r}Hz", "--level", "0.2", "--for", "0.02s")
-    same(plate.simulate(frequency_hz=hz, level=0.2, seconds=0.02), asked.answer(), name)
+    same(plate.simulate(frequency_hz=hz, level=0.2, duration_s=0.02), asked.answer(), name)
 
 
 @pytest.mark.parametrize("places, options, arguments", [
@@ -159,7 +159,7 @@ def test_a_simulated_drive_matches_the_command_line(command, name):
 ])
 def test_a_simulated_drive_with_options_matches_the_command_line(command, places, options, arguments):
     asked = command("simulate", "--plate", "membrane", "--for", "0.1s", *arguments)
-    found = slipline.Plate("membrane").simulate(**places, **options, seconds=0.1)
+    found = slipline.Plate("membrane").simulate(**places, **options, duration_s=0.1)
     same(found, asked.answer(), str(arguments))
 
 
@@ -168,9 +168,9 @@ def test_a_setup_and_a_feeling_of_files_sound_as_on_the_command_line(command, tm
     command("texture", "--plate", "membrane", "--solid", "0.25m", "--tones", 3, "--out", setup).answer()
     asked = command("simulate", "--setup", setup, "--for", "0.05s")
     plate = slipline.Plate("membrane")
-    same(plate.simulate(setup=str(setup), seconds=0.05), asked.answer(), "setup")
+    same(plate.simulate(setup=str(setup), duration_s=0.05), asked.answer(), "setup")
     asked = command("simulate", "--plate", "membrane", "--felt-edge", "0.21m", "--feeling", setup, "--for", "0.05s")
-    same(plate.simulate(felt_edge_m=0.21, feeling=str(setup), seconds=0.05), asked.answer(), "feeling")
+    same(plate.simulate(felt_edge_m=0.21, feeling=str(setup), duration_s=0.05), asked.answer(), "feeling")
 
 
 @presets
@@ -294,5 +294,5 @@ def test_a_calibration_by_touches_matches_the_command_line(command, tmp_path):
         "calibrate", "--plate", "membrane", *[word for asked, felt in touches for word in ("--touch", f"{asked}m:{felt}m")],
         "--touched-drive", "as-told", "--touch-tolerance", "0.003m", "--out", fitted,
     )
-    found = slipline.Plate("membrane").calibrate((), touch=touches, touched_drive="as-told", touch_tolerance=0.003)
+    found = slipline.Plate("membrane").calibrate((), touch=touches, touched_drive="as-told", touch_tolerance_m=0.003)
     same_calibration(found, asked.answer(codes=(0, 1)), fitted)

@@ -85,12 +85,14 @@ def test_a_drive_that_is_not_possible_names_its_field_and_range(device: slipline
 
     span = refused(turning_point_m=0.5)
     assert (span.field, span.value) == ("turning_point_m", 0.5) and span.low < span.high < 0.5
+    edge = refused(felt_edge_m=210.0)
+    assert edge.field == "felt_edge_m" and 0.0 < edge.low < edge.high < 0.4
+    assert str(edge).endswith("did you mean 0.21 m?")
     assert refused(frequency_hz=1e6).field == "frequency_hz"
     assert refused(turning_point_m=0.16, level=1.5).high == 1.0
     assert refused(turning_point_m=0.16, glide_s=0.001).low == 0.005
     assert refused(turning_point_m=0.16, tones=[{"turning_point_m": 0.2, "level": -1.0}]).field == "level"
     for arguments, words in (
-        ({"felt_edge_m": 0.01}, "felt_edge_m = 0.01 m: must be"),
         ({"turning_point_m": 0.16, "tones": [{"turning_point_m": 0.2}]}, "per mille|full scale|sum"),
         ({}, "0 tones: must be 1 to 16"),
     ):
@@ -181,7 +183,7 @@ def test_a_sensor_on_the_simulated_plate_measures_and_holds(plate: slipline.Plat
                 call()
         for call in (
             lambda: device.measure(),
-            lambda: device.measure(0.05, amplifier=2.0),
+            lambda: device.measure(0.05, amplifier_v=2.0),
             lambda: device.measure(0.05, pints=16),
         ):
             with pytest.raises(TypeError):

@@ -31,16 +31,17 @@ class Device:
         self.now += 40_000
         tone = {"felt_edge_m": 0.2, "turning_point_m": 0.16, "frequency_hz": 126.5, "level": level}
         crc = SimpleNamespace(crc="0badcafe")
-        return SimpleNamespace(at_samples=self.now, tones=[SimpleNamespace(**tone)], plate="membrane", table=crc)
+        tones = [SimpleNamespace(**tone)]
+        return SimpleNamespace(at_samples=self.now, tones=tones, plate="membrane", table=crc, superseded=False)
 
     def wait(self, at):
         self.calls.append(("wait",))
         self.now = at if isinstance(at, int) else at.at_samples
         return self.now
 
-    def stop(self):
-        self.calls.append(("stop",))
-        return self.now
+    def stop(self, *, at=None):
+        self.calls.append(("stop",) if at is None else ("end",))
+        return self.now if at is None else at
 
 
 LIST = [
@@ -80,7 +81,7 @@ def test_a_tone_without_a_duration_sounds_until_it_is_answered(tmp_path):
     device = Device()
     trials.run(device, LIST, lambda trial: device.calls.append(("answer",)), folder=tmp_path)
     names = [call[0] for call in device.calls]
-    assert names == ["drive", "wait", "wait", "stop", "answer"] * 2 + ["drive", "wait", "answer", "stop"]
+    assert names == ["drive", "end", "wait", "wait", "answer"] * 2 + ["drive", "wait", "answer", "stop"]
 
 
 def test_a_row_is_on_the_disk_before_the_next_trial_begins(tmp_path, monkeypatch):
@@ -256,5 +257,6 @@ def test_a_list_runs_on_the_simulated_device(tmp_path):
     for row, trial in zip(rows, heard):
         at_samples = int(row["at_samples"])
         assert at_samples == trial["at_samples"] and float(row["onset"]) == at_samples / status.sample_rate_hz
-        assert 0.05 <= float(row["duration"]) < 1.0 and float(row["frequency_hz"]) == trial["frequency_hz"]
+        # 20 000 samples, rounded up to a block.
+        assert float(row["duration"]) * status.sample_rate_hz == 20_096 and float(row["frequency_hz"]) == trial["frequency_hz"]
     assert int(rows[0]["at_samples"]) + 0.05 * status.sample_rate_hz <= int(rows[1]["at_samples"]) < status.now_samples

@@ -4,7 +4,7 @@ use serde::Serialize;
 use slipline_link::protocol::command::TableHeader;
 use slipline_link::protocol::event::{Counters, Identity, Status};
 use slipline_link::protocol::listen::InputsReport;
-use slipline_link::{Port, Snapshot};
+use slipline_link::{Port, PortInfo, Snapshot};
 use std::fmt::Debug;
 
 /// The identity and state of a device; `None` where it does not report a value.
@@ -86,6 +86,31 @@ pub struct DeviceInfo {
     pub round_trip_s: f64,
     /// Whether a drive can wait for its trigger input.
     pub trigger_input: Option<bool>,
+}
+
+/// A port of this computer.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PortAnswer {
+    /// The port, as it is written.
+    pub port: String,
+    /// The port in words.
+    pub label: String,
+    /// Whether it is known to be a Slipline device.
+    pub is_ours: bool,
+    /// Serial number at USB; `None` without one.
+    pub usb_serial: Option<String>,
+}
+
+impl From<&PortInfo> for PortAnswer {
+    fn from(info: &PortInfo) -> Self {
+        let PortInfo { port, label, is_ours, usb_serial } = info;
+        Self {
+            port: port.to_string(),
+            label: label.clone(),
+            is_ours: *is_ours,
+            usb_serial: usb_serial.clone(),
+        }
+    }
 }
 
 /// The inputs of a device.

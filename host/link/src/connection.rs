@@ -18,6 +18,8 @@ mod driver;
 mod opening;
 
 use self::bootloader::BootloaderEntry;
+#[cfg(feature = "native")]
+use crate::awaited::Awaited;
 use crate::commands::{CommandQueue, Next};
 use crate::driver_watch::DriverWatch;
 use crate::error::LinkError;
@@ -152,6 +154,12 @@ impl<O: Opener> Connection<O> {
     /// simulation that runs faster than real time leaves it off.
     pub const fn keep_frames(&mut self) {
         self.keeps_frames = true;
+    }
+
+    /// Keeps the outcomes of these requests until their callers have them.
+    #[cfg(feature = "native")]
+    pub(crate) fn keep_awaited(&mut self, awaited: Awaited) {
+        self.recorder.awaited = awaited;
     }
 
     /// The present state.

@@ -25,8 +25,8 @@
 //! - `commands.rs`: the order of commands, what a stop drops, and the replies. Tests: `tests/tests/link.rs`,
 //!   `tests/tests/stopping.rs`
 //! - `channel.rs`: numbers, times out and repeats commands. Tests: `tests/tests/repeats.rs`
-//! - `request.rs`, `snapshot.rs`, `snapshot_update.rs`: what a program asks for, what it sees, and what passes to
-//!   another worker
+//! - `request.rs`, `awaited.rs`, `snapshot.rs`, `snapshot_update.rs`: what a program asks for, the outcomes that are kept for
+//!   waiting callers, what it sees, and what passes to another worker
 //! - `error.rs`, `refusal.rs`, `out_of_range.rs`: errors and refusals in words. Tests: `tests/tests/port_errors.rs`,
 //!   `tests/tests/limits.rs`
 //! - `drive.rs`, `chord.rs`, `comb.rs`, `harmonic.rs`, `hold.rs`, `listen.rs`, `table.rs`, `played.rs`, `sounding.rs`:
@@ -43,7 +43,7 @@
 //! - `driver_watch.rs`: notices a program that hangs. Tests: `tests/tests/driver_watch.rs`
 //! - `transport.rs`, `port.rs`, `clock.rs`, `recorder.rs`: byte stream, ports, the caller's time, and the upkeep of a snapshot
 //! - `system_words.rs`: the operating system's errors in Slipline's words
-//! - `log.rs`, `trace.rs`, `upkeep.rs`: the common log, the trace of frames, texts about maintenance
+//! - `log.rs`, `trace.rs`, `upkeep.rs`, `remedy.rs`: the common log, the trace of frames, texts about maintenance and faults
 //!
 //! Run an example of `host/link/examples/` with `cargo run -p slipline-link --example replay`.
 
@@ -54,6 +54,7 @@
 // could survive a stop.
 #![warn(clippy::wildcard_enum_match_arm)]
 
+mod awaited;
 mod channel;
 mod chord;
 mod clock;
@@ -84,6 +85,7 @@ mod port;
 mod recorder;
 mod rediscovery;
 mod refusal;
+mod remedy;
 mod request;
 #[cfg(feature = "simulator")]
 pub mod simulator;
@@ -113,6 +115,7 @@ pub use out_of_range::OutOfRange;
 pub use played::{Played, PlayedTone};
 pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_VENDOR};
 pub use refusal::Refusal;
+pub use remedy::remedy;
 pub use request::{Outcome, Request, Ticket};
 pub use snapshot::{
     DeviceView, DriveView, LinkCounters, LinkState, LinkView, RecordView, RoundTrip, Snapshot, TableView,

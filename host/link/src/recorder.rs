@@ -1,5 +1,6 @@
 //! The recorder: keeps the next snapshot and the journal in it up to date.
 
+use crate::awaited::Awaited;
 use crate::channel::Channel;
 use crate::error::LinkError;
 use crate::foldback::FoldbackSteps;
@@ -7,9 +8,7 @@ use crate::journal::{Acknowledged, Change, JOURNAL_ENTRIES, drop_oldest_limit};
 use crate::lease::Lease;
 use crate::log::{LOG_LINES, LogEntry, Severity};
 use crate::request::{Outcome, Ticket};
-use crate::snapshot::{
-    DeviceView, DriveView, LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot, TableView,
-};
+use crate::snapshot::{DeviceView, DriveView, LinkCounters, LinkState, RoundTrip, Snapshot, TableView};
 use crate::trace::FRAMES_KEPT;
 use crate::undecided::{Held, Undecided};
 use crate::upkeep;
@@ -35,6 +34,8 @@ pub(crate) struct Recorder {
     /// Drives that wait for the trigger input.
     undecided: Undecided,
     pub(crate) lease: Lease,
+    /// The requests whose outcomes are kept until their callers have them.
+    pub(crate) awaited: Awaited,
     /// Whether anything changed since the last snapshot.
     changed: bool,
     /// Whether a change is worth a repaint.
@@ -209,7 +210,9 @@ impl Recorder {
             self.view.link.counters.dropped = self.view.link.counters.dropped.saturating_add(1);
         }
         if let Some(ticket) = ticket {
-            push_bounded(Arc::make_mut(&mut self.view.record.outcomes), OUTCOMES, (ticket, outcome));
+            let outcomes = Arc::make_mut(&mut self.view.record.outcomes);
+            outcomes.push_back((ticket, outcome));
+            self.awaited.trim(outcomes);
             self.touch();
         }
     }

@@ -82,9 +82,6 @@ pub struct LinkCounters {
     pub unmatched: u32,
 }
 
-/// Number of outcomes that are kept.
-pub(crate) const OUTCOMES: usize = 64;
-
 /// Everything known about link and device at one moment. Cloning is cheap.
 ///
 /// ```
@@ -215,7 +212,7 @@ pub struct TableView {
 pub struct RecordView {
     /// The commands that the device has accepted, oldest first.
     pub journal: Arc<VecDeque<Arc<Acknowledged>>>,
-    /// The outcomes of the latest requests, oldest first.
+    /// The outcomes of the latest requests and of those for which a caller waits, oldest first.
     pub outcomes: Arc<VecDeque<(Ticket, Outcome)>>,
     /// The last refusal, with its request.
     pub last_refusal: Option<(Ticket, Refusal)>,

@@ -9,16 +9,18 @@ All quantities are SI numbers, and the name of each ends in its unit. The fields
 same name with ``--json``; host/JSON.md has the meaning of each.
 """
 
-from . import study, trials
+from . import results, study, trials
 from ._slipline import VERSION as __version__
-from ._slipline import Device, Measurement, Plate, Result, connect, design, presets
-from .errors import BadFile, Error, LinkLost, OutOfRange, Refused, Unattended
+from ._slipline import Device, Measurement, Plate, connect, design, ports, presets
+from .errors import BadFile, Error, Fault, LinkLost, OutOfRange, Refused, Unattended
+from .results import Result
 from .staircase import Staircase
 
 __all__ = [
     "BadFile",
     "Device",
     "Error",
+    "Fault",
     "LinkLost",
     "Measurement",
     "OutOfRange",
@@ -30,7 +32,9 @@ __all__ = [
     "__version__",
     "connect",
     "design",
+    "ports",
     "presets",
+    "results",
     "study",
     "trials",
 ]

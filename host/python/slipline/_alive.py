@@ -7,6 +7,7 @@ and disarms the device within a second.
 from __future__ import annotations
 
 import atexit
+import logging
 import threading
 import time
 import weakref
@@ -14,6 +15,10 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from . import Device
+
+# What the link and the device report, at the levels of `logging`. Silent unless the program configures it.
+_logger = logging.getLogger("slipline")
+_logger.addHandler(logging.NullHandler())
 
 # Ten a second; the link waits for a second.
 _PERIOD_S = 0.1
@@ -31,7 +36,12 @@ def begin(device: Device) -> None:
 def _sign(reference: weakref.ref[Device]) -> None:
     while True:
         device = reference()
-        if device is None or not device._sign():
+        if device is None:
+            return
+        lives = device._sign()
+        for level, line in device._log():
+            _logger.log(level, "%s", line)
+        if not lives:
             return
         # Held no longer than for the sign, so that the device can be collected.
         del device

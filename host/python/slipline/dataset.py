@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["dataset"]
+__all__ = ["dataset", "described", "of_measurement"]
 
 
 def dataset(fields: dict[str, Any]) -> Any:
@@ -36,4 +36,49 @@ def dataset(fields: dict[str, Any]) -> Any:
                 variables[name] = ((name + "_number",), value)
         elif isinstance(value, (bool, int, float, complex, str)):
             attributes[name] = value
-    return xarray.Dataset(variables, coords=coordinates, attrs=attributes)
+    found = xarray.Dataset(variables, coords=coordinates, attrs=attributes)
+    for name in found.variables:
+        found[name].attrs.update(described(str(name)))
+    return found
+
+
+#: The ends of names that are units, the longest first.
+_UNITS = {
+    "_n_s_per_m": "N s m-1",
+    "_m_per_s": "m s-1",
+    "_per_m": "m-1",
+    "_hz": "Hz",
+    "_db": "dB",
+    "_kg": "kg",
+    "_samples": "samples",
+    "_turns": "turns",
+    "_m": "m",
+    "_s": "s",
+}
+
+
+def described(name: str) -> dict[str, str]:
+    """The attributes ``units`` and ``long_name`` of a field by its name, which ends in its unit; without one it is a share."""
+    for end, unit in _UNITS.items():
+        if name.endswith(end):
+            return {"long_name": name.removesuffix(end).replace("_", " "), "units": unit}
+    return {"long_name": name.replace("_", " "), "units": "1"}
+
+
+def of_measurement(measurement: Any) -> Any:
+    """A measurement over its frequencies."""
+    import xarray
+
+    attributes = {name: getattr(measurement, name) for name in ("place_m", "place_tolerance_m", "sensor")}
+    for name in ("unit_per_response", "sample_rate_hz"):
+        if getattr(measurement, name) is not None:
+            attributes[name] = getattr(measurement, name)
+    names = ("response", "noise", "headroom_db")
+    found = xarray.Dataset(
+        {name: (("frequency_hz",), getattr(measurement, name)) for name in names},
+        coords={"frequency_hz": measurement.frequency_hz},
+        attrs=attributes,
+    )
+    for name in found.variables:
+        found[name].attrs.update(described(str(name)))
+    return found

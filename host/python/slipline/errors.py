@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["Error", "OutOfRange", "Refused", "LinkLost", "Unattended", "BadFile"]
+__all__ = ["Error", "OutOfRange", "Refused", "Fault", "LinkLost", "Unattended", "BadFile"]
 
 
 class Error(Exception):
@@ -43,6 +43,25 @@ class Refused(Error):
     """What was asked cannot be done with this plate, these values or this device, as its message explains."""
 
 
+class Fault(Refused):
+    """A fault of the device is latched, which has stopped it or keeps it from being armed.
+
+    ``faults`` are the names of the latched faults (``"HostLost"``, ``"EmergencyStop"``, ``"DeskStop"`` ..); ``remedy`` says what
+    to do. Once the cause is gone: ``device.clear_faults()``, and then ``device.arm()``.
+    """
+
+    faults: list[str]
+    remedy: str
+
+    def __init__(self, message: str, faults: list[str] | None = None, remedy: str = "") -> None:
+        super().__init__(message, faults, remedy)
+        self.faults = list(faults or [])
+        self.remedy = remedy
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
 class LinkLost(Error):
     """The connection to the device is lost, or none could be made."""
 
@@ -56,6 +75,6 @@ class BadFile(Error):
 
 
 # They are known by the name of the package: slipline.OutOfRange.
-for _exception in (Error, OutOfRange, Refused, LinkLost, Unattended, BadFile):
+for _exception in (Error, OutOfRange, Refused, Fault, LinkLost, Unattended, BadFile):
     _exception.__module__ = "slipline"
 del _exception

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import BadFile, OutOfRange
+from .errors import BadFile, OutOfRange, Refused
 from .staircase import PLACES, Staircase
 
 __all__ = ["COLUMNS", "run"]
@@ -32,7 +32,7 @@ __all__ = ["COLUMNS", "run"]
 #: The columns of events.tsv, each with its description in events.json. What has no value is n/a.
 COLUMNS: Mapping[str, Mapping[str, str]] = {
     "onset": {"Description": "First sample of the trial's drive on the device's sample clock", "Units": "s"},
-    "duration": {"Description": "From the onset to the stop of the drive", "Units": "s"},
+    "duration": {"Description": "From the onset to the first sample at which the tone fades", "Units": "s"},
     "trial_type": {"Description": "The trial's own type"},
     "response": {"Description": "The answer; yes and no where it was true or false"},
     "response_time": {"Description": "From the call for the answer to the answer, by this computer's clock", "Units": "s"},
@@ -63,9 +63,10 @@ def run(
     """Runs the trials that have no row yet, and returns the rows of all of them.
 
     A trial has ``felt_edge_m``, ``turning_point_m`` or ``frequency_hz``, and may have ``level`` (0.8), ``duration_s`` and
-    ``trial_type``. Its tone sounds for ``duration_s``, and then ``respond(trial)`` gives the answer; without ``duration_s`` it
-    sounds until the answer is given. ``respond`` gets the trial with the fields of its drive; what it puts into
-    ``measured_place_m`` and ``measured_level`` of it goes to the row. A :class:`Staircase` takes true or false.
+    ``trial_type``. Its tone sounds for ``duration_s``, rounded up to a block of 128 samples, and fades within 20 ms; then
+    ``respond(trial)`` gives the answer; without ``duration_s`` it sounds until the answer is given. ``respond`` gets the trial with
+    the fields of its drive; what it puts into ``measured_place_m`` and ``measured_level`` of it goes to the row. A
+    :class:`Staircase` takes true or false.
 
     With a ``seed`` the trials of a list come in a random order, which the seed alone determines. The device must be armed. A
     folder with the rows of other trials is refused: :class:`BadFile`.
@@ -124,15 +125,21 @@ def _one(device: Any, trial: dict[str, Any], respond: Callable[[dict[str, Any]],
     place = {field: trial[field] for field in PLACES if field in trial}
     rate_hz = device.status().sample_rate_hz
     drive = device.drive(**place, level=trial["level"])
+    if drive.superseded:
+        raise Refused("the trial's drive never began: another thread drives or stops the device")
+    at_samples = drive.at_samples
     tone = drive.tones[0]
-    at_samples = device.wait(drive)
+    stopped = None
+    if trial["duration_s"] is not None:
+        # Before it has begun: the end is then at its sample, whatever this program is doing.
+        stopped = device.stop(at=at_samples + round(trial["duration_s"] * rate_hz))
+    device.wait(drive)
     # The requested place as it was given, the others by the plate.
     places = {**{field: getattr(tone, field) for field in PLACES}, **place}
     asked = {**trial, **places, "at_samples": at_samples}
-    stopped = None
-    if trial["duration_s"] is not None:
-        device.wait(at_samples + round(trial["duration_s"] * rate_hz))
-        stopped = device.stop()
+    if stopped is not None:
+        # A stop of another thread ends it before.
+        stopped = min(stopped, device.wait(stopped))
     began_s = time.monotonic()
     response = respond(asked)
     response_time_s = time.monotonic() - began_s

@@ -2,14 +2,31 @@
 
 use crate::error::Failure;
 use crate::plate::{self, Plate};
+use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
+use pyo3::{Borrowed, PyTypeInfo, type_hint_union};
 use slipline_instrument::rig::{secret, secret_seed};
 use slipline_plate::quantity::must_be;
+use std::convert::Infallible;
 use std::path::PathBuf;
 
-/// A `Plate`, the name of one, or `secret:SEED`: one near the nominal plate.
+/// A plate as an argument: a `Plate`, the name of one, a path, or `secret:SEED`.
+#[derive(Clone, Debug)]
+pub(crate) struct PlateArgument<'py>(Bound<'py, PyAny>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for PlateArgument<'py> {
+    type Error = Infallible;
+    const INPUT_TYPE: PyStaticExpr =
+        type_hint_union!(<Plate as PyTypeInfo>::TYPE_HINT, <PathBuf as FromPyObject<'a, 'py>>::INPUT_TYPE);
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> Result<Self, Infallible> {
+        Ok(Self(given.to_owned()))
+    }
+}
+
+/// The plate of an argument; `secret:SEED` is one near the nominal plate.
 pub(crate) fn plate(
-    given: &Bound<'_, PyAny>,
+    PlateArgument(given): &PlateArgument<'_>,
     nominal: Option<&slipline_plate::Plate>,
 ) -> PyResult<slipline_plate::Plate> {
     if let Ok(plate) = given.cast::<Plate>() {

@@ -1,10 +1,11 @@
 //! `Plate.calibrate`.
 
+use crate::arguments::{items, one_of, optional};
 use crate::error::Failure;
 use crate::feeling;
-use crate::options::Options;
 use crate::place::{LEVEL, no_such_tone};
 use crate::plate::Plate as PyPlate;
+use crate::result::kind::Calibration;
 use crate::result::{Answer, fields};
 use crate::waiting::compute;
 use pyo3::prelude::*;
@@ -20,19 +21,21 @@ use slipline_plate::calibrate::{
     CalibrateError, Calipers, Measurement, Priors, TouchedDrive, Transducer, departure,
 };
 use slipline_plate::{Plate, Progress, limits};
+use std::path::PathBuf;
 use std::sync::Arc;
+
+/// Most felt edges of a calibration.
+const TOUCHES_MAX: usize = 1000;
 
 /// Fits the plate's numbers.
 pub(crate) fn run(
     py: Python<'_>,
     plate: &Arc<Plate>,
     measurements: Vec<Arc<Measurement>>,
-    mut options: Options<'_>,
-) -> PyResult<Answer> {
-    let current = options.word("current", &[("coil", Transducer::Coil), ("piezo", Transducer::Piezo)])?;
-    let calipers = calipers(&mut options)?;
-    let touches = touches(&mut options)?;
-    options.end()?;
+    current: Option<Transducer>,
+    calipers: Option<Calipers>,
+    touches: Option<FeltEdgesRequest>,
+) -> PyResult<Answer<Calibration>> {
     let file = Arc::clone(plate);
     let (found, calibrated) = compute(py, move |progress| {
         let (nominal, priors) = with_calipers(&file, calipers).map_err(|error| Failure::of(&error))?;
@@ -71,38 +74,58 @@ fn answer(
 }
 
 /// The plate's widths and length by calipers and a rule: all three or none.
-fn calipers(options: &mut Options<'_>) -> PyResult<Option<Calipers>> {
-    let half_width_m = options.number("half_width", limits::HALF_WIDTH)?;
-    let end_half_width_m = options.number("end_half_width", limits::HALF_WIDTH)?;
-    let length_m = options.number("length", limits::LENGTH)?;
-    let tolerance_m = options.number("calipers_tolerance", CALIPERS_TOLERANCE)?;
+pub(crate) fn calipers(
+    half_width_m: Option<f64>,
+    end_half_width_m: Option<f64>,
+    length_m: Option<f64>,
+    tolerance_m: Option<f64>,
+) -> Result<Option<Calipers>, Failure> {
+    optional("half_width_m", half_width_m, limits::HALF_WIDTH)?;
+    optional("end_half_width_m", end_half_width_m, limits::HALF_WIDTH)?;
+    optional("length_m", length_m, limits::LENGTH)?;
+    optional("calipers_tolerance_m", tolerance_m, CALIPERS_TOLERANCE)?;
     let calipers = complete_calipers(half_width_m, end_half_width_m, length_m, tolerance_m);
-    Ok(calipers.map_err(|IncompleteCalipers| {
-        let given = "one of half_width, end_half_width and length alone";
+    calipers.map_err(|IncompleteCalipers| {
+        let given = "one of half_width_m, end_half_width_m and length_m alone";
         Failure::wrong_arguments(given, "all three of them")
-    })?)
+    })
 }
 
-/// The felt edges of the options.
-fn touches(options: &mut Options<'_>) -> PyResult<Option<FeltEdgesRequest>> {
-    let asked_and_felt_m =
-        options.take("touch")?.map(|given| given.extract::<Vec<(f64, f64)>>()).transpose()?;
-    let level = options.number("level", LEVEL)?;
-    let tolerance_m = options.number("touch_tolerance", TOUCH_TOLERANCE)?;
-    let known = [("as-told", TouchedDrive::AsStated), ("unknown", TouchedDrive::Unknown)];
-    let drive = options.word("touched_drive", &known)?;
-    let feeling = options.text("feeling")?;
-    let Some(asked_and_felt_m) = asked_and_felt_m else {
-        if level.is_some() || tolerance_m.is_some() || drive.is_some() || feeling.is_some() {
-            let given = "level, touch_tolerance, touched_drive or feeling without touch";
-            return Err(Failure::wrong_arguments(given, "beside it").into());
-        }
-        return Ok(None);
-    };
-    let edge = |(asked_m, felt_m)| FeltEdgeRequest { asked: AskedPlace::FeltEdge(asked_m), felt_m };
-    let edges = asked_and_felt_m.into_iter().map(edge).collect();
-    let feeling = feeling::read(feeling.as_deref())?.feeling;
-    Ok(Some(FeltEdgesRequest { edges, level, tolerance_m, drive, feeling }))
+/// What drives the plate, whose current was measured.
+pub(crate) fn transducer(word: Option<&str>) -> Result<Option<Transducer>, Failure> {
+    one_of("current", word, &[("coil", Transducer::Coil), ("piezo", Transducer::Piezo)])
+}
+
+/// The felt edges of the arguments.
+pub(crate) struct Touches<'a, 'py> {
+    pub(crate) touch: Option<Bound<'py, PyAny>>,
+    pub(crate) level: Option<f64>,
+    pub(crate) touch_tolerance_m: Option<f64>,
+    pub(crate) touched_drive: Option<&'a str>,
+    pub(crate) feeling: Option<PathBuf>,
+}
+
+impl Touches<'_, '_> {
+    /// The request; `None` without felt edges.
+    pub(crate) fn read(self) -> PyResult<Option<FeltEdgesRequest>> {
+        let Self { touch, level, touch_tolerance_m: tolerance_m, touched_drive, feeling } = self;
+        optional("level", level, LEVEL)?;
+        optional("touch_tolerance_m", tolerance_m, TOUCH_TOLERANCE)?;
+        let known = [("as-told", TouchedDrive::AsStated), ("unknown", TouchedDrive::Unknown)];
+        let drive = one_of("touched_drive", touched_drive, &known)?;
+        let Some(touch) = touch else {
+            if level.is_some() || tolerance_m.is_some() || drive.is_some() || feeling.is_some() {
+                let given = "level, touch_tolerance_m, touched_drive or feeling without touch";
+                return Err(Failure::wrong_arguments(given, "beside it").into());
+            }
+            return Ok(None);
+        };
+        let asked_and_felt_m = items::<(f64, f64)>("touch", &touch, TOUCHES_MAX)?;
+        let edge = |(asked_m, felt_m)| FeltEdgeRequest { asked: AskedPlace::FeltEdge(asked_m), felt_m };
+        let edges = asked_and_felt_m.into_iter().map(edge).collect();
+        let feeling = feeling::read(feeling.as_deref())?.feeling;
+        Ok(Some(FeltEdgesRequest { edges, level, tolerance_m, drive, feeling }))
+    }
 }
 
 fn by_felt_edges(

@@ -1,5 +1,6 @@
 //! Errors of Rust as the exceptions of `slipline.errors`, where each is described.
 
+use pyo3::exceptions::{PyMemoryError, PyTimeoutError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use slipline_model::refused_value::{Given, RefusedValue};
@@ -21,6 +22,15 @@ pub(crate) enum Failure {
         /// The ends of the allowed range.
         range: (f64, f64),
     },
+    /// `slipline.Fault`.
+    Fault {
+        /// The sentence.
+        message: String,
+        /// The names of the latched faults.
+        faults: Vec<String>,
+        /// What to do about them.
+        remedy: String,
+    },
     /// An exception of a message alone.
     Because(Exception, String),
 }
@@ -38,6 +48,12 @@ pub(crate) enum Exception {
     BadFile,
     /// Arguments that do not belong together: Python's own `TypeError`.
     Type,
+    /// An argument of the right type with an impossible value: Python's own `ValueError`.
+    Value,
+    /// A wait that took too long: Python's own `TimeoutError`.
+    Timeout,
+    /// No memory for a result: Python's own `MemoryError`.
+    Memory,
 }
 
 impl Failure {
@@ -51,7 +67,7 @@ impl Failure {
                     Given::Count(count) => count as f64,
                     Given::Text(_) => f64::NAN,
                 };
-                Self::OutOfRange { message, field, value, range: (low, high) }
+                Self::number(message, &field, value, (low, high))
             }
             _ => Self::Because(Exception::Refused, message),
         }
@@ -60,13 +76,34 @@ impl Failure {
     /// A number out of its range, with the name of its argument.
     pub(crate) fn out_of_range(refused: &OutOfRange) -> Self {
         let OutOfRange { field, value, range } = *refused;
-        let message = refused.to_string();
-        Self::OutOfRange { message, field: field.to_owned(), value, range: (range.low, range.high) }
+        Self::number(refused.to_string(), field, value, (range.low, range.high))
+    }
+
+    /// A number out of its range; of a length that may have been meant in millimetres, the sentence says so.
+    pub(crate) fn number(message: String, field: &str, value: f64, range: (f64, f64)) -> Self {
+        let meant = value / 1e3;
+        let is_in_mm = field.ends_with("_m") && (range.0..=range.1).contains(&meant);
+        let message = if is_in_mm { format!("{message}; did you mean {meant} m?") } else { message };
+        Self::OutOfRange { message, field: field.to_owned(), value, range }
     }
 
     /// `slipline.Refused`.
     pub(crate) fn refused(message: impl Display) -> Self {
         Self::Because(Exception::Refused, message.to_string())
+    }
+
+    /// `ValueError`: an argument of the right type with an impossible value.
+    pub(crate) fn value(message: impl Display) -> Self {
+        Self::Because(Exception::Value, message.to_string())
+    }
+
+    /// `MemoryError`: there is no room for `count` values of this size in bytes.
+    pub(crate) fn memory(count: usize, bytes: usize) -> Self {
+        let gigabytes = count as f64 * bytes as f64 / 1e9;
+        Self::Because(
+            Exception::Memory,
+            format!("the result would take {gigabytes:.1} GB: ask for it in parts"),
+        )
     }
 
     /// `slipline.BadFile`: the file's name and the reason.
@@ -86,7 +123,11 @@ impl From<Failure> for PyErr {
             Failure::OutOfRange { message, field, value, range: (low, high) } => {
                 raised("OutOfRange", (message, field, value, low, high))
             }
-            Failure::Because(Exception::Type, message) => pyo3::exceptions::PyTypeError::new_err(message),
+            Failure::Fault { message, faults, remedy } => raised("Fault", (message, faults, remedy)),
+            Failure::Because(Exception::Type, message) => PyTypeError::new_err(message),
+            Failure::Because(Exception::Value, message) => PyValueError::new_err(message),
+            Failure::Because(Exception::Timeout, message) => PyTimeoutError::new_err(message),
+            Failure::Because(Exception::Memory, message) => PyMemoryError::new_err(message),
             Failure::Because(Exception::Refused, message) => raised("Refused", (message,)),
             Failure::Because(Exception::LinkLost, message) => raised("LinkLost", (message,)),
             Failure::Because(Exception::Unattended, message) => raised("Unattended", (message,)),

@@ -1,8 +1,10 @@
 //! `Plate.respond`: the field at one frequency, or at several in flat arrays.
 
+use crate::arguments::reserved;
 use crate::error::Failure;
 use crate::plate::Plate as PyPlate;
-use crate::result::{Answer, columns, fields};
+use crate::result::kind::Field;
+use crate::result::{Answer, columns, dictionary, fields};
 use crate::waiting::compute;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -14,6 +16,9 @@ use slipline_plate::{
 };
 use std::mem::take;
 use std::sync::Arc;
+
+/// Most frequencies of one call: each has some kilobytes beside its amplitudes.
+pub(crate) const FREQUENCIES_MAX: usize = 100_000;
 
 /// The request at each frequency.
 #[derive(Clone, Copy)]
@@ -43,7 +48,7 @@ impl Asked {
 }
 
 /// The field at one frequency.
-pub(crate) fn at_one(py: Python<'_>, plate: &Arc<Plate>, hz: f64, asked: Asked) -> PyResult<Answer> {
+pub(crate) fn at_one(py: Python<'_>, plate: &Arc<Plate>, hz: f64, asked: Asked) -> PyResult<Answer<Field>> {
     let plate = Arc::clone(plate);
     let found = compute(py, move |_| {
         asked.check(&plate, &[hz])?;
@@ -71,7 +76,7 @@ pub(crate) fn at_each(
     plate: &PyPlate,
     frequencies_hz: Vec<f64>,
     asked: Asked,
-) -> PyResult<Answer> {
+) -> PyResult<Answer<Field>> {
     let (plate, responders) = (Arc::clone(&plate.plate), Arc::clone(&plate.responders));
     let found = compute(py, move |progress| {
         asked.check(&plate, &frequencies_hz)?;
@@ -86,7 +91,7 @@ pub(crate) fn at_each(
     if two_dimensions.is_empty() {
         return Ok(answer);
     }
-    let differences = Answer::of(py, columns(two_dimensions))?;
+    let differences = dictionary(py, columns(two_dimensions))?;
     answer.with(py, "two_dimensions", differences)
 }
 
@@ -96,11 +101,8 @@ fn each(
     asked: Asked,
     progress: &mut Progress<'_>,
 ) -> Result<Fields, Failure> {
-    if frequencies_hz.is_empty() {
-        return Err(Failure::wrong_arguments("frequency_hz of no number", "one or more"));
-    }
     let plate = &responder.plate().clone();
-    let mut amplitude = Vec::with_capacity(frequencies_hz.len() * asked.points);
+    let mut amplitude = reserved(frequencies_hz.len().saturating_mul(asked.points))?;
     let (mut position_m, mut rows, mut two_dimensions) = (Vec::new(), Vec::new(), Vec::new());
     for (i, &hz) in frequencies_hz.iter().enumerate() {
         progress.at(i as f64 / frequencies_hz.len() as f64).map_err(|error| Failure::of(&error))?;

@@ -1,34 +1,51 @@
 //! A finger on the plate: `(place_m, "light")`, `(place_m, "firm")`, or the numbers of its contact.
 
 use crate::error::Failure;
+use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
+use pyo3::{Borrowed, type_hint_identifier, type_hint_subscript, type_hint_union};
 use slipline_plate::Finger;
-use slipline_plate::quantity::must_be;
 
-/// A finger as an argument.
-#[derive(Clone, Debug, FromPyObject)]
-pub(crate) enum FingerArgument {
-    /// Its place in metres and its kind.
-    Kind(f64, String),
-    /// Its place in metres, its resistance in N s/m, its mass in kg and the width of its contact in metres.
-    Contact(f64, f64, f64, f64),
-}
+/// A finger as an argument: any sequence of these values. Its numbers are checked on the plate.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FingerArgument(pub(crate) Finger);
 
-impl FingerArgument {
-    /// The finger; its numbers are checked on the plate.
-    pub(crate) fn finger(self) -> Result<Finger, Failure> {
-        match self {
-            Self::Kind(place_m, kind) => match kind.as_str() {
-                "light" => Ok(Finger::light(place_m)),
-                "firm" => Ok(Finger::firm(place_m)),
-                _ => {
-                    let given = format_args!("finger = ({place_m}, {kind:?})");
-                    Err(Failure::refused(must_be(given, "light, firm, or the numbers of its contact")))
+/// What is allowed for it.
+const FINGERS: &str =
+    "(place_m, \"light\"), (place_m, \"firm\"), or (place_m, resistance_n_s_per_m, mass_kg, contact_m)";
+
+impl<'a, 'py> FromPyObject<'a, 'py> for FingerArgument {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = type_hint_subscript!(
+        type_hint_identifier!("collections.abc", "Sequence"),
+        type_hint_union!(
+            type_hint_identifier!("builtins", "float"),
+            type_hint_identifier!("builtins", "str")
+        )
+    );
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let wrong = || Failure::wrong_arguments(format_args!("finger = {}", *given), FINGERS);
+        // One more than there may be shows that there are too many.
+        let values = given.try_iter().map_err(|_| wrong())?.take(5).collect::<PyResult<Vec<_>>>()?;
+        let number = |value: &Bound<'py, PyAny>| value.extract::<f64>().map_err(|_| wrong());
+        let finger = match &values[..] {
+            [place_m, kind] => {
+                let place_m = number(place_m)?;
+                match kind.extract::<String>().map_err(|_| wrong())?.as_str() {
+                    "light" => Finger::light(place_m),
+                    "firm" => Finger::firm(place_m),
+                    _ => return Err(wrong().into()),
                 }
-            },
-            Self::Contact(place_m, resistance_n_s_per_m, mass_kg, contact_m) => {
-                Ok(Finger { place_m, resistance_n_s_per_m, mass_kg, contact_m })
             }
-        }
+            [place_m, resistance_n_s_per_m, mass_kg, contact_m] => Finger {
+                place_m: number(place_m)?,
+                resistance_n_s_per_m: number(resistance_n_s_per_m)?,
+                mass_kg: number(mass_kg)?,
+                contact_m: number(contact_m)?,
+            },
+            _ => return Err(wrong().into()),
+        };
+        Ok(Self(finger))
     }
 }

@@ -19,7 +19,8 @@
 //! - `study.rs`: any range of a study's plates; its store and cluster: `host/python/slipline/study.py`. Tests:
 //!   `tests/python/test_study.py`
 //! - `result.rs`, `error.rs`: answers as attributes, errors as exceptions
-//! - `options.rs`, `one_or_more.rs`: the options of the command line, numbers and series
+//! - `options.rs`, `arguments.rs`, `coroutine.rs`: the entries of a dictionary, numbers and series, and objects of
+//!   Python's own code
 //! - `responders.rs`, `waiting.rs`: what a plate keeps from call to call; Ctrl-C during a computation
 //!
 //! Also: the thin layer `host/python/slipline/`, examples (`host/python/examples/`) and the `PsychoPy` plug-in
@@ -31,7 +32,9 @@
 #![warn(clippy::wildcard_enum_match_arm)]
 
 mod actual;
+mod arguments;
 mod calibrate;
+mod coroutine;
 mod design;
 mod device;
 mod error;
@@ -39,7 +42,6 @@ mod feeling;
 mod field;
 mod finger;
 mod measurement;
-mod one_or_more;
 mod options;
 mod place;
 mod plate;
@@ -59,13 +61,11 @@ mod _slipline {
     #[pymodule_export]
     use crate::design::design;
     #[pymodule_export]
-    use crate::device::{Device, connect};
+    use crate::device::{Device, connect, ports};
     #[pymodule_export]
     use crate::measurement::Measurement;
     #[pymodule_export]
     use crate::plate::{Plate, presets};
-    #[pymodule_export]
-    use crate::result::Answer;
     #[pymodule_export]
     use crate::study::Study;
 }

@@ -1,7 +1,8 @@
 //! The class `Measurement`: the response of a sensor at one place, over frequency.
 
+use crate::arguments::{ArrayLike, in_range};
 use crate::error::Failure;
-use crate::plate::Plate;
+use crate::plate::{Plate, check_length};
 use numpy::{Complex64, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyTuple, PyType};
@@ -11,11 +12,14 @@ use slipline_instrument::measured_file::{
 };
 use slipline_model::atomic_file::{self, read_bytes, read_text, said};
 use slipline_plate::calibrate::{FileError, MeasuredPoint, SNR_DB, SensorKind, band_hz};
-use slipline_plate::quantity::must_be;
+use slipline_plate::quantity::{Range, must_be};
 use slipline_plate::text_table::{Chosen, chosen};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Most points of a measurement.
+const POINTS_MAX: usize = 10_000;
 
 /// The response of a sensor at one place of a plate, over frequency.
 ///
@@ -46,24 +50,24 @@ impl Measurement {
     /// Reads a measurement's file.
     ///
     /// One of this package is complete. One of another program (REW, .frd, a table, a universal file 58) and a recording of a
-    /// sweep (WAV) need the ``plate`` and the place ``sensor``, metres from the driven end; ``kind`` is displacement,
-    /// velocity, acceleration or strain, ``snr`` the signal-to-noise ratio in dB of a file that states no noise. A recording
+    /// sweep (WAV) need the ``plate`` and the sensor's ``place_m`` from the driven end; ``kind`` is displacement,
+    /// velocity, acceleration or strain, ``snr_db`` the signal-to-noise ratio in dB of a file that states no noise. A recording
     /// needs ``played``, the description that ``slipline sweep`` wrote, and has the sensor in ``channel``, from 1. ``columns``
     /// says what the columns of a table are where their names are not clear: ``"frequency=1,level=3:dB,phase=4:rad"``. What
     /// was read of it is in ``source``.
     ///
     /// Raises ``BadFile`` with what is missing or wrong.
     #[classmethod]
-    #[pyo3(signature = (path, *, plate=None, sensor=None, kind=None, snr=SNR_DB, played=None, channel=1, columns=None))]
+    #[pyo3(signature = (path, *, plate=None, place_m=None, kind=None, snr_db=SNR_DB, played=None, channel=1, columns=None))]
     #[expect(clippy::too_many_arguments, reason = "one for each property that a file may lack")]
     fn read(
         _class: &Bound<'_, PyType>,
         py: Python<'_>,
         path: PathBuf,
         plate: Option<&Bound<'_, Plate>>,
-        sensor: Option<f64>,
+        place_m: Option<f64>,
         kind: Option<&str>,
-        snr: f64,
+        snr_db: f64,
         played: Option<PathBuf>,
         channel: usize,
         columns: Option<&str>,
@@ -71,7 +75,7 @@ impl Measurement {
         let plate = plate.map(|plate| Arc::clone(&plate.get().plate));
         let kind = kind.map(sensor_kind).transpose()?;
         let columns = columns.map(chosen).transpose().map_err(Failure::refused)?.unwrap_or_default();
-        let stated = Stated { plate, place_m: sensor, kind, snr_db: snr, played, channel, columns };
+        let stated = Stated { plate, place_m, kind, snr_db, played, channel, columns };
         let (measurement, source) = py.detach(|| stated.read(&path))?;
         Ok(Self { source, ..measurement.into() })
     }
@@ -88,8 +92,87 @@ impl Measurement {
     /// Raises ``BadFile``.
     #[classmethod]
     fn from_csv(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
+        check_length("the measurement", text, BYTES_MAX)?;
         let read = slipline_plate::calibrate::Measurement::from_csv(text);
         Ok(read.map_err(|error| Failure::bad_file("the measurement", error))?.into())
+    }
+
+    /// A measurement of arrays: complex ``response`` at rising ``frequency_hz``, 8 to 10 000 of them.
+    ///
+    /// ``response`` is the sensor's signal over the DAC's amplitude, see the class; of an instrument that uses ``e^(+j omega t)`` it
+    /// is the complex conjugate. ``place_m`` is the sensor's place, ``sensor`` what it measures. The noise is the standard deviation
+    /// of the real and of the imaginary part, a number or a series, ``noise``, or ``snr_db`` below the RMS of the responses.
+    /// ``sample_rate_hz`` is that of a DAC with a zero-order hold.
+    ///
+    /// Raises ``OutOfRange``.
+    #[classmethod]
+    #[pyo3(signature = (frequency_hz, response, *, place_m, sensor="displacement", noise=None, snr_db=None, unit_per_response=None, sample_rate_hz=None, place_tolerance_m=None, headroom_db=None))]
+    #[expect(clippy::too_many_arguments, reason = "one for each property")]
+    fn from_arrays(
+        _class: &Bound<'_, PyType>,
+        frequency_hz: ArrayLike<'_>,
+        response: ArrayLike<'_>,
+        place_m: f64,
+        sensor: &str,
+        noise: Option<ArrayLike<'_>>,
+        snr_db: Option<f64>,
+        unit_per_response: Option<f64>,
+        sample_rate_hz: Option<f64>,
+        place_tolerance_m: Option<f64>,
+        headroom_db: Option<ArrayLike<'_>>,
+    ) -> PyResult<Self> {
+        let frequencies_hz = frequency_hz.series("frequency_hz", POINTS_MAX)?;
+        let count = frequencies_hz.len();
+        let responses = response.complex_series("response", POINTS_MAX)?;
+        let noise = match (noise, snr_db) {
+            (Some(noise), None) => noise.one_or_more("noise", POINTS_MAX)?.repeated(count),
+            (None, snr_db) => {
+                let snr_db = snr_db.unwrap_or(SNR_DB);
+                in_range("snr_db", snr_db, Range::new(0.0, 140.0, "dB"))?;
+                let square = responses.iter().map(|response| response.norm_sqr()).sum::<f64>();
+                let rms = (square / responses.len().max(1) as f64).sqrt();
+                vec![(rms * 10f64.powf(-snr_db / 20.0)).max(1e-30); count]
+            }
+            (Some(_), Some(_)) => {
+                return Err(Failure::wrong_arguments("noise and snr_db", "one of them").into());
+            }
+        };
+        let headroom_db = match headroom_db {
+            Some(headroom_db) => headroom_db.one_or_more("headroom_db", POINTS_MAX)?.repeated(count),
+            None => vec![f64::NAN; count],
+        };
+        for (name, length) in
+            [("response", responses.len()), ("noise", noise.len()), ("headroom_db", headroom_db.len())]
+        {
+            if length != count {
+                let text = format!("{name} of {length} numbers, and frequency_hz of {count}");
+                return Err(Failure::value(must_be(text, "as many of each")).into());
+            }
+        }
+        let points = (frequencies_hz.into_iter().zip(responses)).zip(noise.into_iter().zip(headroom_db));
+        let points = points.map(|((frequency_hz, response), (noise, headroom_db))| MeasuredPoint {
+            frequency_hz,
+            response,
+            noise,
+            headroom_db: Some(headroom_db).filter(|headroom_db| !headroom_db.is_nan()),
+        });
+        let usual =
+            slipline_plate::calibrate::Measurement::at(place_m, sensor_kind(sensor)?, points.collect());
+        let place_tolerance_m = place_tolerance_m.unwrap_or(usual.place_tolerance_m);
+        let measurement = slipline_plate::calibrate::Measurement {
+            place_tolerance_m,
+            unit_per_response,
+            sample_rate_hz,
+            ..usual
+        };
+        measurement.check().map_err(|error| Failure::of(&error))?;
+        Ok(measurement.into())
+    }
+
+    /// Its arrays as an ``xarray.Dataset`` over ``frequency_hz``, with ``units`` and ``long_name``; the rest are its attributes.
+    /// Needs xarray: ``pip install slipline[xarray]``.
+    fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("slipline.dataset")?.call_method1("of_measurement", (slf,))
     }
 
     /// The text of its file.
@@ -205,7 +288,7 @@ impl Stated {
             return Ok((measurement, None));
         }
         let (Some(plate), Some(place_m)) = (&self.plate, self.place_m) else {
-            return Err(bad(&"it does not state its place: add plate and sensor"));
+            return Err(bad(&"it does not state its place: add plate and place_m"));
         };
         let untold = |error: ForeignError| {
             let is_of_kind = matches!(error, ForeignError::Kind);

@@ -1,4 +1,4 @@
-//! The options of a call that are those of the command line: their names with `_` for `-`, their quantities SI floats.
+//! The entries of a dictionary that is an argument, such as a tone: their quantities are SI floats.
 
 use crate::error::Failure;
 use pyo3::prelude::*;
@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use slipline_plate::quantity::nearest;
 use slipline_plate::quantity::{OutOfRange, Range};
 
-/// Options that are taken one by one; what is left at the end is refused.
+/// Entries that are taken one by one; what is left at the end is refused.
 pub(crate) struct Options<'py> {
     call: &'static str,
     left: Option<Bound<'py, PyDict>>,
@@ -36,33 +36,6 @@ impl<'py> Options<'py> {
         let number = value.extract::<f64>().map_err(|_| self.wrong(name, "a number"))?;
         OutOfRange::check(name, number, range).map_err(|refused| Failure::out_of_range(&refused))?;
         Ok(Some(number))
-    }
-
-    /// A switch; off by default.
-    pub(crate) fn switch(&mut self, name: &'static str) -> PyResult<bool> {
-        let Some(value) = self.take(name)? else { return Ok(false) };
-        Ok(value.extract().map_err(|_| self.wrong(name, "True or False"))?)
-    }
-
-    /// A text, or a path.
-    pub(crate) fn text(&mut self, name: &'static str) -> PyResult<Option<String>> {
-        let Some(value) = self.take(name)? else { return Ok(None) };
-        let path = value.extract::<std::path::PathBuf>().map_err(|_| self.wrong(name, "a text"))?;
-        Ok(Some(path.to_string_lossy().into_owned()))
-    }
-
-    /// One of these words.
-    pub(crate) fn word<T: Copy>(&mut self, name: &'static str, words: &[(&str, T)]) -> PyResult<Option<T>> {
-        let Some(text) = self.text(name)? else { return Ok(None) };
-        let found = words.iter().find(|(word, _)| *word == text).map(|(_, value)| *value);
-        let allowed = || words.iter().map(|(word, _)| *word).collect::<Vec<_>>().join(", ");
-        let refused = || {
-            Failure::refused(slipline_plate::quantity::must_be(
-                format_args!("{name} = {text:?}"),
-                format_args!("one of {}", allowed()),
-            ))
-        };
-        Ok(Some(found.ok_or_else(refused)?))
     }
 
     /// The refusal of an option's type.

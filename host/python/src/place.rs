@@ -73,9 +73,17 @@ pub(crate) fn turning_point_of(
 
 /// Why no tone is as asked.
 pub(crate) fn no_such_tone(error: NoSuchTone) -> Failure {
-    match error {
-        NoSuchTone::OutOfRange(refused) => Failure::out_of_range(&refused),
-        error @ NoSuchTone::NoFeltEdge(..) => Failure::refused(error),
+    match &error {
+        NoSuchTone::OutOfRange(refused) => Failure::out_of_range(refused),
+        &NoSuchTone::NoFeltEdge(place_m, ref refused) => {
+            // Of several intervals the nearest.
+            let away_m = |&(low_m, high_m): &(f64, f64)| (low_m - place_m).max(place_m - high_m);
+            let nearest = refused.reach_m.iter().copied().min_by(|a, b| away_m(a).total_cmp(&away_m(b)));
+            match nearest {
+                Some(reach_m) => Failure::number(error.to_string(), "felt_edge_m", place_m, reach_m),
+                None => Failure::refused(&error),
+            }
+        }
     }
 }
 

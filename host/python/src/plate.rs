@@ -1,6 +1,7 @@
 //! The class `Plate`.
 
 mod methods;
+mod numbers;
 
 use crate::error::{Exception, Failure};
 use crate::responders::Responders;
@@ -33,7 +34,16 @@ impl From<slipline_plate::Plate> for Plate {
 pub(crate) fn file_failure(error: &(dyn std::error::Error + 'static)) -> Failure {
     match Failure::of(error) {
         Failure::Because(_, message) => Failure::Because(Exception::BadFile, message),
-        out_of_range @ Failure::OutOfRange { .. } => out_of_range,
+        other @ (Failure::OutOfRange { .. } | Failure::Fault { .. }) => other,
+    }
+}
+
+/// Refuses a text that is longer than a file of its kind may be.
+pub(crate) fn check_length(name: &str, text: &str, most: usize) -> Result<(), Failure> {
+    if text.len() <= most {
+        Ok(())
+    } else {
+        Err(Failure::bad_file(name, format_args!("its text is longer than {most} bytes")))
     }
 }
 

@@ -1,104 +1,68 @@
 //! The result of a call: the fields of an answer as attributes.
 //!
 //! ```text
-//! answer (serde) --value, off the interpreter--> JSON value --result--> attributes: numbers, numpy arrays, results
+//! answer (serde) --value, off the interpreter--> JSON value --result--> numbers, numpy arrays, dictionaries
+//!                                                   --slipline.results--> an instance of its class, results in it
 //! ```
-//! A number goes from float to float: no text is between.
+//! A number goes from float to float: no text is between. The classes are Python's: `host/python/slipline/results.py`.
 
 use numpy::{Complex64, PyArray1};
-use pyo3::exceptions::PyAttributeError;
+use pyo3::exceptions::PyTypeError;
+use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
-use pyo3::types::{PyComplex, PyDict, PyList, PyTuple};
+use pyo3::types::{PyComplex, PyDict, PyList};
+use pyo3::{Borrowed, type_hint_identifier, type_hint_subscript};
 use serde::Serialize;
 use serde_json::{Map, Value};
+use std::marker::PhantomData;
 
-/// The result of a call. Its attributes are the fields of the same command's ``--json``.
-///
-/// Numbers are SI floats, series of numbers are numpy arrays, complex numbers are complex, and lists of objects are lists of
-/// results. What is unknown or does not apply is ``None``, and NaN in an array.
-#[pyclass(frozen, name = "Result", module = "slipline")]
+/// The class of a result.
+pub(crate) trait Kind {
+    /// Its name in `slipline.results`.
+    const NAME: &'static str;
+    /// The same for the stubs.
+    const TYPE: PyStaticExpr;
+}
+
+/// The classes of results.
+pub(crate) mod kind {
+    use super::{Kind, PyStaticExpr, type_hint_identifier};
+
+    macro_rules! kinds {
+        ($($name:ident)*) => { $(
+            #[derive(Clone, Copy, Debug)]
+            pub(crate) struct $name;
+            impl Kind for $name {
+                const NAME: &'static str = stringify!($name);
+                const TYPE: PyStaticExpr = type_hint_identifier!("slipline.results", stringify!($name));
+            }
+        )* };
+    }
+    kinds!(Calibration Check Design Drive Field Merit PortInfo Simulation Status Table Texture Verification);
+}
+
+/// The fields of a result of this kind, which becomes an instance of its class.
 #[derive(Debug)]
-pub(crate) struct Answer {
+pub(crate) struct Answer<K> {
     fields: Py<PyDict>,
+    kind: PhantomData<K>,
 }
 
-#[pymethods]
-impl Answer {
-    /// A result of these fields.
-    #[new]
-    fn new(fields: Py<PyDict>) -> Self {
-        Self { fields }
-    }
+impl<'py, K: Kind> IntoPyObject<'py> for Answer<K> {
+    type Target = PyAny;
+    type Output = Bound<'py, PyAny>;
+    type Error = PyErr;
+    const OUTPUT_TYPE: PyStaticExpr = K::TYPE;
 
-    /// A field by its name.
-    fn __getattr__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let found = self.fields.bind(py).get_item(name)?;
-        found.ok_or_else(|| PyAttributeError::new_err(format!("the result has no field {name:?}")))
-    }
-
-    fn __dir__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        let names = self.fields.bind(py).keys();
-        names.append("to_dict")?;
-        names.append("to_xarray")?;
-        Ok(names)
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let names: Vec<String> = self.fields.bind(py).keys().extract()?;
-        Ok(format!("Result({})", names.join(", ")))
-    }
-
-    /// As for ``pickle``.
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let class = py.get_type::<Self>();
-        (class, (self.fields.clone_ref(py),)).into_pyobject(py)
-    }
-
-    /// The fields as a dictionary, the results in it as dictionaries, too; arrays stay arrays.
-    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let plain = PyDict::new(py);
-        for (name, value) in self.fields.bind(py) {
-            plain.set_item(name, as_plain(value)?)?;
-        }
-        Ok(plain)
-    }
-
-    /// The arrays as an ``xarray.Dataset`` over ``position_m`` and, of several frequencies, ``frequency_hz``; the numbers
-    /// and texts are its attributes. Needs xarray: ``pip install slipline[xarray]``.
-    fn to_xarray<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("slipline.dataset")?.call_method1("dataset", (self.fields.bind(py),))
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Self::Output> {
+        py.import("slipline.results")?.call_method1(K::NAME, (self.fields,))
     }
 }
 
-fn as_plain(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
-    if let Ok(result) = value.cast::<Answer>() {
-        return Ok(result.get().to_dict(value.py())?.into_any());
-    }
-    if let Ok(list) = value.cast::<PyList>() {
-        let items = list.iter().map(as_plain).collect::<PyResult<Vec<_>>>()?;
-        return Ok(PyList::new(value.py(), items)?.into_any());
-    }
-    Ok(value)
-}
-
-impl Answer {
+impl<K> Answer<K> {
     /// The fields of an answer.
     pub(crate) fn of(py: Python<'_>, fields: Map<String, Value>) -> PyResult<Self> {
-        let found = PyDict::new(py);
-        for (name, value) in fields {
-            found.set_item(name, attribute(py, value)?)?;
-        }
-        Ok(Self { fields: found.unbind() })
-    }
-
-    /// Changes an attribute.
-    pub(crate) fn set<'py>(
-        &self,
-        py: Python<'py>,
-        name: &str,
-        value: impl IntoPyObject<'py>,
-    ) -> PyResult<()> {
-        self.fields.bind(py).set_item(name, value)
+        Ok(Self { fields: dictionary(py, fields)?.unbind(), kind: PhantomData })
     }
 
     /// It with one more attribute.
@@ -111,6 +75,58 @@ impl Answer {
         self.fields.bind(py).set_item(name, value)?;
         Ok(self)
     }
+}
+
+/// Results of this kind: a list that a notebook shows as a table.
+#[derive(Debug)]
+pub(crate) struct Answers<K>(pub(crate) Vec<Answer<K>>);
+
+impl<'py, K: Kind> IntoPyObject<'py> for Answers<K> {
+    type Target = PyAny;
+    type Output = Bound<'py, PyAny>;
+    type Error = PyErr;
+    const OUTPUT_TYPE: PyStaticExpr =
+        type_hint_subscript!(type_hint_identifier!("slipline.results", "Results"), K::TYPE);
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Self::Output> {
+        let results =
+            self.0.into_iter().map(|answer| answer.into_pyobject(py)).collect::<PyResult<Vec<_>>>()?;
+        py.import("slipline.results")?.call_method1("Results", (results,))
+    }
+}
+
+/// A result as an argument.
+#[derive(Clone, Debug)]
+pub(crate) struct ResultArgument<'py>(pub(crate) Bound<'py, PyAny>);
+
+impl<'py> ResultArgument<'py> {
+    /// The class of all results, for the stubs.
+    pub(crate) const TYPE: PyStaticExpr = type_hint_identifier!("slipline.results", "Result");
+
+    /// This object, if it is a result.
+    pub(crate) fn of(given: &Bound<'py, PyAny>) -> PyResult<Option<Self>> {
+        let class = given.py().import("slipline.results")?.getattr("Result")?;
+        Ok(given.is_instance(&class)?.then(|| Self(given.clone())))
+    }
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for ResultArgument<'py> {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = Self::TYPE;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let found = Self::of(&given)?;
+        found.ok_or_else(|| PyTypeError::new_err(format!("{}: must be a result of a call", *given)))
+    }
+}
+
+/// Fields as a dictionary of Python.
+pub(crate) fn dictionary(py: Python<'_>, fields: Map<String, Value>) -> PyResult<Bound<'_, PyDict>> {
+    let found = PyDict::new(py);
+    for (name, value) in fields {
+        found.set_item(name, attribute(py, value)?)?;
+    }
+    Ok(found)
 }
 
 /// The fields of an answer as JSON; the interpreter is not needed for it. An answer is an object.
@@ -149,7 +165,7 @@ fn attribute(py: Python<'_>, value: Value) -> PyResult<Bound<'_, PyAny>> {
         Value::Array(values) => array(py, values)?,
         Value::Object(fields) => match complex(&fields) {
             Some(value) => PyComplex::from_doubles(py, value.re, value.im).into_any(),
-            None => Bound::new(py, Answer::of(py, fields)?)?.into_any(),
+            None => dictionary(py, fields)?.into_any(),
         },
     })
 }

@@ -1,12 +1,11 @@
 //! `Plate.simulate`.
 
-use crate::actual;
+use crate::actual::{self, PlateArgument};
+use crate::arguments::{ArrayLike, OneOrMore, in_range};
 use crate::error::Failure;
 use crate::feeling;
-use crate::finger::FingerArgument;
-use crate::one_or_more::OneOrMore;
-use crate::options::Options;
 use crate::place::{LEVEL, exactly_one, no_such_tone, setup_file};
+use crate::result::kind::Simulation;
 use crate::result::{Answer, fields};
 use crate::waiting::compute;
 use pyo3::prelude::*;
@@ -21,8 +20,9 @@ use slipline_model::field::simulation::{
 };
 use slipline_model::setup::Setup;
 use slipline_model::texture::{chord_of, sounding};
-use slipline_plate::quantity::{OutOfRange, PlaceOrFrequency, Range};
-use slipline_plate::{DriveTable, Plate, Progress};
+use slipline_plate::quantity::{PlaceOrFrequency, Range};
+use slipline_plate::{DriveTable, Finger, Plate, Progress};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::available_parallelism;
 
@@ -44,30 +44,38 @@ struct Drive {
     feeling: NamedFeeling,
 }
 
+/// The options of a simulation.
+pub(crate) struct Options<'py> {
+    pub(crate) actual_plate: Option<PlateArgument<'py>>,
+    pub(crate) duration_s: Option<f64>,
+    pub(crate) no_table: bool,
+    pub(crate) sheet: bool,
+    pub(crate) finger: Option<Finger>,
+    pub(crate) feeling: Option<PathBuf>,
+    pub(crate) setup: Option<PathBuf>,
+}
+
 /// Simulates tones by their felt edges, turning points or frequencies, one of the three.
 pub(crate) fn run(
     py: Python<'_>,
     plate: &Arc<Plate>,
-    places: [Option<OneOrMore>; 3],
-    level: Option<OneOrMore>,
-    mut options: Options<'_>,
-) -> PyResult<Answer> {
-    let is_sheet = options.switch("sheet")?;
-    let has_gains = !options.switch("no_table")?;
-    let seconds = options.number("seconds", Range::new(0.01, MAX_SECONDS, "s"))?;
-    let finger = options.take("finger")?.map(|given| given.extract::<FingerArgument>()).transpose()?;
-    let finger = finger.map(FingerArgument::finger).transpose()?;
-    let actual = options.take("actual_plate")?;
-    let feeling = feeling::read(options.text("feeling")?.as_deref())?;
-    let setup = options.text("setup")?;
-    options.end()?;
+    places: [Option<ArrayLike<'_>>; 3],
+    level: Option<ArrayLike<'_>>,
+    options: Options<'_>,
+) -> PyResult<Answer<Simulation>> {
+    let Options { actual_plate, duration_s: seconds, no_table, sheet: is_sheet, finger, feeling, setup } =
+        options;
+    let has_gains = !no_table;
+    seconds.map_or(Ok(()), |it| in_range("duration_s", it, Range::new(0.01, MAX_SECONDS, "s")))?;
+    let feeling = feeling::read(feeling.as_deref())?;
     let threads = available_parallelism().map_or(1, |count| count.get().min(THREADS_MAX));
     let solver = if is_sheet { Solver::Sheet { threads } } else { Solver::Line };
     let (plate, sounds, feeling) = match setup {
         None => (Arc::clone(plate), Sounds::Tones(tones(places, level)?), feeling),
         Some(path) if places.iter().all(Option::is_none) && level.is_none() => {
+            let path = path.to_string_lossy();
             let setup = setup_file(&path)?;
-            let feeling = NamedFeeling::of_setup(&setup, path);
+            let feeling = NamedFeeling::of_setup(&setup, path.into_owned());
             (Arc::clone(&setup.plate), Sounds::Setup(setup), feeling)
         }
         Some(_) => {
@@ -81,7 +89,7 @@ pub(crate) fn run(
         let given = "no_table beside felt_edge_m or a setup";
         return Err(Failure::wrong_arguments(given, "False: the table's gains set them").into());
     }
-    let actual = actual.map(|given| actual::plate(&given, Some(&plate))).transpose()?;
+    let actual = actual_plate.map(|given| actual::plate(&given, Some(&plate))).transpose()?;
     let request = SimulateRequest { plate, actual, has_gains, seconds, solver, finger };
     let drive = Drive { request, sounds, feeling };
     let found = compute(py, move |progress| drive.simulate(progress))?;
@@ -89,8 +97,15 @@ pub(crate) fn run(
 }
 
 /// The tones of the arguments.
-fn tones(places: [Option<OneOrMore>; 3], level: Option<OneOrMore>) -> Result<Vec<ToneRequest>, Failure> {
-    let [felt_edges_m, turning_points_m, frequencies_hz] = places.map(|given| given.map(OneOrMore::numbers));
+fn tones(places: [Option<ArrayLike<'_>>; 3], level: Option<ArrayLike<'_>>) -> PyResult<Vec<ToneRequest>> {
+    let [felt_edges_m, turning_points_m, frequencies_hz] = places;
+    let numbers = |given: Option<ArrayLike<'_>>, name: &str| -> PyResult<Option<Vec<f64>>> {
+        let numbers = given.map(|given| given.one_or_more(name, MAX_TONES)).transpose()?;
+        Ok(numbers.map(OneOrMore::numbers))
+    };
+    let felt_edges_m = numbers(felt_edges_m, "felt_edge_m")?;
+    let turning_points_m = numbers(turning_points_m, "turning_point_m")?;
+    let frequencies_hz = numbers(frequencies_hz, "frequency_hz")?;
     let first = |given: &Option<Vec<f64>>| given.as_ref().map(|_| 0.0);
     // Counts the arguments; an empty series is one, too.
     exactly_one(first(&felt_edges_m), first(&turning_points_m), first(&frequencies_hz))?;
@@ -99,9 +114,7 @@ fn tones(places: [Option<OneOrMore>; 3], level: Option<OneOrMore>) -> Result<Vec
     let frequencies = frequencies_hz.into_iter().flatten().map(PlaceOrFrequency::Frequency);
     let asked: Vec<AskedPlace> =
         felt_edges.chain(turning_points.chain(frequencies).map(AskedPlace::TurningPoint)).collect();
-    let counts = Range::new(1.0, MAX_TONES as f64, "");
-    OutOfRange::check("the number of tones", asked.len() as f64, counts)
-        .map_err(|refused| Failure::out_of_range(&refused))?;
+    let level = level.map(|given| given.one_or_more("level", MAX_TONES)).transpose()?;
     let levels = level.unwrap_or(OneOrMore::One(USUAL_LEVEL)).numbers();
     let levels = match levels[..] {
         [level] => vec![level; asked.len()],
@@ -109,10 +122,10 @@ fn tones(places: [Option<OneOrMore>; 3], level: Option<OneOrMore>) -> Result<Vec
     };
     if levels.len() != asked.len() {
         let given = format_args!("{} levels of {} tones", levels.len(), asked.len());
-        return Err(Failure::wrong_arguments(given, "one for all tones, or one for each"));
+        return Err(Failure::wrong_arguments(given, "one for all tones, or one for each").into());
     }
     for &level in &levels {
-        OutOfRange::check("level", level, LEVEL).map_err(|refused| Failure::out_of_range(&refused))?;
+        in_range("level", level, LEVEL)?;
     }
     Ok(asked.into_iter().zip(levels).map(|(asked, level)| ToneRequest { asked, level }).collect())
 }

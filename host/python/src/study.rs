@@ -1,11 +1,12 @@
 //! The class `_Study`: a specification, and any range of its plates. `slipline/study.py` spreads the ranges and keeps the store.
 
+use crate::arguments::reserved;
 use crate::error::Failure;
-use crate::plate::{Plate, file_failure, named};
+use crate::plate::{Plate, check_length, file_failure, named};
 use crate::waiting::compute;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use slipline_model::study::{Draft, Spec, Status, Varied};
+use slipline_model::study::{Draft, SPEC_BYTES_MAX, Spec, Status, Varied};
 use slipline_plate::quantity::{OutOfRange, Range};
 
 /// A range's results: `status` as `int8`, the fields that vary, the shifts in metres and the levels in dB.
@@ -35,6 +36,7 @@ impl Study {
 impl Study {
     #[new]
     fn new(py: Python<'_>, text: String) -> PyResult<Self> {
+        check_length("the study", &text, SPEC_BYTES_MAX)?;
         let inner = compute(py, move |progress| {
             let draft = Draft::parse(&text).map_err(|error| file_failure(&error))?;
             let plate = draft.plate_name().map(named).transpose()?;
@@ -77,7 +79,11 @@ impl Study {
     /// The plates ``first`` to ``end`` (excluded): ``status`` (plates,), the fields that vary (plates, fields), the shifts of
     /// the turning points in metres and the levels in dB (plates, places). Other threads run meanwhile.
     fn run<'py>(&self, py: Python<'py>, first: u64, end: u64) -> PyResult<Results<'py>> {
-        let chunk = py.detach(|| self.inner.run_range(first..end.min(self.count())));
+        let end = end.min(self.count());
+        // The results are refused before they are computed where they have no room.
+        let numbers = self.spec().varied().len() + 2 * self.spec().turning_point_m().len();
+        drop(reserved::<f64>(numbers.saturating_mul(end.saturating_sub(first) as usize))?);
+        let chunk = py.detach(|| self.inner.run_range(first..end));
         let plates = chunk.status.len();
         let status = chunk.status.iter().map(|&status| status as i8).collect();
         let (fields, places) = (self.spec().varied().len(), self.spec().turning_point_m().len());

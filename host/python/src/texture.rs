@@ -1,7 +1,8 @@
 //! `Plate.texture`.
 
+use crate::arguments::{ArrayLike, SERIES_MAX};
 use crate::error::Failure;
-
+use crate::result::kind::Texture;
 use crate::result::{Answer, fields};
 use crate::waiting::compute;
 use pyo3::prelude::*;
@@ -57,8 +58,25 @@ impl Wanted {
     }
 }
 
+/// The two series of a profile: a tuple, a list, the rows of an array.
+pub(crate) fn profile(given: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Vec<f64>)> {
+    let wrong = || Failure::wrong_arguments("profile", "two series: places in metres, and amplitudes");
+    let mut rows = given.try_iter().map_err(|_| wrong())?;
+    let mut next = |name| -> PyResult<Vec<f64>> {
+        let row = rows.next().ok_or_else(wrong)??;
+        row.extract::<ArrayLike<'_>>()?.series(name, SERIES_MAX)
+    };
+    let profile = (next("the places of profile")?, next("the amplitudes of profile")?);
+    if rows.next().is_some() { Err(wrong().into()) } else { Ok(profile) }
+}
+
 /// Makes the texture of at most `most` tones.
-pub(crate) fn run(py: Python<'_>, plate: &Arc<Plate>, wanted: Wanted, most: usize) -> PyResult<Answer> {
+pub(crate) fn run(
+    py: Python<'_>,
+    plate: &Arc<Plate>,
+    wanted: Wanted,
+    most: usize,
+) -> PyResult<Answer<Texture>> {
     let plate = Arc::clone(plate);
     let found = compute(py, move |progress| {
         let counts = Range::new(1.0, TONES_MAX as f64, "");

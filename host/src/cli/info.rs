@@ -6,24 +6,14 @@ use super::failure::Failure;
 use super::output;
 use super::rig::PortArgument;
 use serde_json::json;
-use slipline_instrument::device_info::DeviceInfo;
+use slipline_instrument::device_info::{DeviceInfo, PortAnswer};
 use slipline_link::native::list_ports;
 use slipline_link::upkeep;
 use slipline_plate::quantity::number_format::with_decimals;
 
 pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
     let ports = list_ports();
-    let list: Vec<_> = ports
-        .iter()
-        .map(|info| {
-            json!({
-                "port": info.port.to_string(),
-                "label": info.label,
-                "is_ours": info.is_ours,
-                "usb_serial": info.usb_serial,
-            })
-        })
-        .collect();
+    let list: Vec<_> = ports.iter().map(PortAnswer::from).collect();
     output::print(as_json, &json!({ "ports": list }), |out| {
         let names: Vec<String> = ports.iter().map(|info| info.port.to_string()).collect();
         let lines: Vec<_> =

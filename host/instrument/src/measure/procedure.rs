@@ -113,6 +113,12 @@ impl<P: Procedure> Run<P> {
         self.awaited
     }
 
+    /// Whether the outcome of this request is awaited.
+    #[must_use]
+    pub fn awaits(&self, ticket: Ticket) -> bool {
+        [self.awaited, self.begun].contains(&Some(ticket))
+    }
+
     /// The next step.
     pub fn step(&mut self) -> NextStep {
         if self.is_asked {

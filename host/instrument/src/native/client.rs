@@ -1,7 +1,7 @@
 //! A blocking client: each call returns after the device has answered. While it waits, pauses or computes in
 //! these calls, it gives the signs of life that the link requires while the device is armed.
 
-use super::ClientError;
+use super::{ClientError, StandingFaults};
 use crate::Link;
 use crate::measure::{MeasureError, Procedure, Run, Verified, Verifying};
 use crate::rig::PreparedRig;
@@ -14,9 +14,9 @@ use slipline_link::protocol::version::Compatibility;
 use slipline_link::{Outcome, Port, Request, Snapshot, Sounding, Ticket};
 use slipline_plate::Plate;
 use std::panic::resume_unwind;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -44,6 +44,12 @@ pub trait BlockingLink: Link {
     fn pause(&self, time: Duration);
     /// Signals that this program is alive.
     fn sign_of_life(&self);
+    /// As [`Link::send`]; the outcome is kept until [`BlockingLink::release`], also where other threads send requests.
+    fn send_awaited(&self, request: Request) -> Ticket {
+        self.send(request)
+    }
+    /// Ends the wait for an outcome.
+    fn release(&self, _ticket: Ticket) {}
     /// Whether the user has interrupted the call under way, once for each interruption.
     fn take_interruption(&self) -> bool {
         false
@@ -72,11 +78,27 @@ impl BlockingLink for Worker {
     fn sign_of_life(&self) {
         Handle::sign_of_life(self);
     }
+
+    fn send_awaited(&self, request: Request) -> Ticket {
+        Handle::send_awaited(self, request)
+    }
+
+    fn release(&self, ticket: Ticket) {
+        Handle::release(self, ticket);
+    }
 }
 
 /// A device in use. When it is dropped with the link's thread, the device is stopped and disarmed.
+///
+/// Its calls may come from several threads: each has its own outcome. A newer drive or a stop supersedes a drive that the
+/// device has not accepted yet ([`ClientError::Superseded`]), and a stop or a disarm ends the procedures and waits of other
+/// threads ([`Client::stops`]).
 pub struct Client<W = Worker> {
     link: W,
+    /// Stops and disarms by calls.
+    stops: AtomicU32,
+    /// Requests of a level hold whose outcomes are awaited.
+    of_hold: Mutex<Vec<Ticket>>,
     /// Number of stalls of this program when the device was armed.
     stalls_before: AtomicU32,
     /// Number of leases that were over then.
@@ -118,15 +140,51 @@ pub(super) fn wired(rig: Option<&PreparedRig>) -> std::io::Result<Worker> {
 impl<W: BlockingLink> Client<W> {
     /// A client on this link.
     pub const fn over(link: W) -> Self {
-        Self { link, stalls_before: AtomicU32::new(0), leases_before: AtomicU32::new(0) }
+        Self {
+            link,
+            stops: AtomicU32::new(0),
+            of_hold: Mutex::new(Vec::new()),
+            stalls_before: AtomicU32::new(0),
+            leases_before: AtomicU32::new(0),
+        }
     }
 
     pub(super) const fn link(&self) -> &W {
         &self.link
     }
 
-    pub(super) fn send(&self, request: Request) -> Ticket {
-        self.link.send(request)
+    /// Sends a request of a level hold; `awaits` returns whether the outcome of an earlier one is still needed.
+    pub(super) fn send_of_hold(&self, request: Request, awaits: impl Fn(Ticket) -> bool) -> Ticket {
+        let ticket = self.link.send_awaited(request);
+        let mut sent = self.of_hold.lock().unwrap_or_else(PoisonError::into_inner);
+        sent.push(ticket);
+        sent.retain(|&of| {
+            let is_needed = of == ticket || awaits(of);
+            if !is_needed {
+                self.link.release(of);
+            }
+            is_needed
+        });
+        ticket
+    }
+
+    /// Number of stops and disarms that calls have asked for until now. A wait compares it with that at its beginning: where it
+    /// has changed, another thread has stopped the device.
+    #[must_use]
+    pub fn stops(&self) -> u32 {
+        self.stops.load(Ordering::SeqCst)
+    }
+
+    fn count_stop(&self) {
+        self.stops.fetch_add(1, Ordering::SeqCst);
+    }
+
+    /// Sends a request and waits for its outcome; `None` after `patience` or an interruption.
+    fn outcome_of(&self, request: Request, patience: Duration) -> Option<Outcome> {
+        let ticket = self.link.send_awaited(request);
+        let outcome = self.link.wait(ticket, patience);
+        self.link.release(ticket);
+        outcome
     }
 
     /// Connects to a device. A lost link is not reconnected.
@@ -135,8 +193,7 @@ impl<W: BlockingLink> Client<W> {
     /// [`ClientError::Refused`] and [`ClientError::NoAnswer`].
     pub fn connect(&self, port: &Port) -> Result<(), ClientError> {
         self.link.send(Request::AutoReconnect(false));
-        let ticket = self.link.send(Request::Connect(port.clone()));
-        match self.link.wait(ticket, CONNECTING) {
+        match self.outcome_of(Request::Connect(port.clone()), CONNECTING) {
             Some(Outcome::Done { .. }) => Ok(()),
             Some(Outcome::Refused(refusal)) => Err(refusal.into()),
             _ => Err(self.interrupted_or(ClientError::NoAnswer(port.clone()))),
@@ -233,6 +290,7 @@ impl<W: BlockingLink> Client<W> {
     /// # Errors
     /// A request's error.
     pub fn disarm(&self) -> Result<(), ClientError> {
+        self.count_stop();
         self.perform(Request::Disarm)?;
         for _ in 0..FADING {
             self.refresh()?;
@@ -246,23 +304,28 @@ impl<W: BlockingLink> Client<W> {
 
     /// Sends a stop and a disarm, without waiting.
     pub fn stop_and_disarm(&self) {
+        self.count_stop();
         self.link.send(Request::Stop);
         self.link.send(Request::Disarm);
     }
 
     /// Stops and disarms the device, and closes its port. A device that does not answer any more stops by itself.
     pub fn disconnect(&self) {
-        let ticket = self.link.send(Request::Disconnect);
+        self.count_stop();
+        let ticket = self.link.send_awaited(Request::Disconnect);
         // An interruption does not shorten it.
         while self.link.wait(ticket, CLOSING).is_none() && self.link.take_interruption() {}
+        self.link.release(ticket);
     }
 
     /// Clears the faults whose causes are gone.
     ///
     /// # Errors
-    /// A request's error.
+    /// [`ClientError::Stopped`] with the faults whose causes stand, and a request's error.
     pub fn clear_faults(&self) -> Result<(), ClientError> {
-        self.perform(Request::ClearFaults).map(drop)
+        self.perform(Request::ClearFaults)?;
+        self.refresh()?;
+        self.check_faults()
     }
 
     /// Uploads this table, unless the device holds it already.
@@ -273,11 +336,13 @@ impl<W: BlockingLink> Client<W> {
         self.perform(Request::Upload(table)).map(drop)
     }
 
-    /// Starts a drive, chord or comb; returns the sample index at which it begins.
+    /// Starts a drive, chord or comb; returns the sample index at which it begins. A change that is to begin at an index ahead
+    /// ([`Client::play_at`]) begins first: this waits for it.
     ///
     /// # Errors
-    /// A request's error.
+    /// [`ClientError::Superseded`], those of [`Client::check_drives`] during that wait, and a request's error.
     pub fn play(&self, sounding: Sounding) -> Result<u64, ClientError> {
+        self.await_change_ahead(|| true)?;
         self.perform_at(Request::Play(sounding))
     }
 
@@ -286,7 +351,18 @@ impl<W: BlockingLink> Client<W> {
     /// # Errors
     /// A request's error.
     pub fn stop(&self) -> Result<u64, ClientError> {
+        self.count_stop();
         self.perform_at(Request::Stop)
+    }
+
+    /// Ramps to silence within 2 ms, mutes, and latches the fault
+    /// [`EmergencyStop`](slipline_link::protocol::event::Fault::EmergencyStop); returns the sample index at which the ramp begins.
+    ///
+    /// # Errors
+    /// A request's error.
+    pub fn emergency_stop(&self) -> Result<u64, ClientError> {
+        self.count_stop();
+        self.perform_at(Request::EmergencyStop)
     }
 
     /// Requests the device's status; returns its sample index.
@@ -297,26 +373,55 @@ impl<W: BlockingLink> Client<W> {
         self.perform_at(Request::Refresh)
     }
 
-    /// Arms the device, runs a procedure to its end, and disarms the device. `watch` receives the progress, 0
-    /// to 1.
+    /// Arms the device, runs a procedure to its end, and disarms the device, also where the procedure fails or another thread
+    /// stops it. `watch` receives the progress, 0 to 1.
     ///
     /// # Errors
-    /// [`ClientError::Procedure`] and a request's errors.
-    pub fn run<P: Procedure>(
+    /// [`ClientError::Procedure`], [`ClientError::StoppedByCall`], [`ClientError::Stopped`] and a request's errors.
+    pub fn run<P: Procedure>(&self, procedure: P, watch: impl FnMut(f64)) -> Result<P::Found, ClientError> {
+        self.arm_for(Some(LONGEST_LEASE))?;
+        let found = self.run_armed(procedure, watch);
+        if found.is_err() {
+            // The reason is the procedure's; a device that is gone stops by itself.
+            let _ = self.disarm();
+            return found;
+        }
+        self.disarm()?;
+        found
+    }
+
+    fn run_armed<P: Procedure>(
         &self,
         procedure: P,
         mut watch: impl FnMut(f64),
     ) -> Result<P::Found, ClientError> {
-        self.arm_for(Some(LONGEST_LEASE))?;
+        let stops = self.stops();
         let mut run = Run::of(procedure);
-        let mut is_interrupted = false;
+        let mut cancelled = None;
+        let mut sent = Vec::new();
         loop {
             let snapshot = self.snapshot();
             if self.link.take_interruption() {
-                is_interrupted = true;
+                cancelled = Some(ClientError::Interrupted);
+            } else if cancelled.is_none() && self.stops() != stops {
+                cancelled = Some(ClientError::StoppedByCall);
+            }
+            if cancelled.is_some() {
                 run.cancel();
             }
-            if !run.turn(&snapshot, |request| self.link.send(request)) {
+            let goes_on = run.turn(&snapshot, |request| {
+                let ticket = self.link.send_awaited(request);
+                sent.push(ticket);
+                ticket
+            });
+            sent.retain(|&ticket| {
+                let is_needed = goes_on && run.awaits(ticket);
+                if !is_needed {
+                    self.link.release(ticket);
+                }
+                is_needed
+            });
+            if !goes_on {
                 break;
             }
             watch(run.progress(snapshot.drive.status.map_or(0, |status| status.now)));
@@ -324,13 +429,15 @@ impl<W: BlockingLink> Client<W> {
                 let _ = self.link.wait(ticket, GLANCE);
             }
         }
-        if is_interrupted {
-            return Err(ClientError::Interrupted);
+        if let Some(cancelled) = cancelled {
+            return Err(cancelled);
         }
         self.check_attended()?;
-        let found = run.finish()?;
-        self.disarm()?;
-        Ok(found)
+        let found = run.finish();
+        if let Err(MeasureError::Fault(_)) = found {
+            self.check_faults()?;
+        }
+        Ok(found?)
     }
 
     /// Arms the device, which holds the table of this plate, plays this number of tones, 1 to 16, and compares the codes of
@@ -342,11 +449,29 @@ impl<W: BlockingLink> Client<W> {
     pub fn verify(&self, plate: &Plate, tones: u8, window_s: f64) -> Result<Verified, ClientError> {
         let rate_hz = f64::from(self.identity()?.sample_rate_hz);
         let verified = self.run(Verifying::new(plate, tones, window_s, rate_hz), |_| ());
-        if let Err(ClientError::Procedure(MeasureError::Fault(_) | MeasureError::Unknown)) = verified {
+        if let Err(
+            ClientError::Stopped(_) | ClientError::Procedure(MeasureError::Fault(_) | MeasureError::Unknown),
+        ) = verified
+        {
             let fault = self.snapshot().drive.status.and_then(|status| status.first_fault);
             return Err(ClientError::NotComparable(fault));
         }
         verified
+    }
+
+    /// Fails if a fault of the device is latched, by its latest status.
+    ///
+    /// # Errors
+    /// [`ClientError::Stopped`].
+    pub fn check_faults(&self) -> Result<(), ClientError> {
+        let snapshot = self.snapshot();
+        match snapshot.drive.status.filter(|status| !status.faults.is_empty()) {
+            Some(status) => Err(ClientError::Stopped(StandingFaults {
+                faults: status.faults,
+                text: snapshot.faults_text(status.faults),
+            })),
+            None => Ok(()),
+        }
     }
 
     /// Fails if the link has stopped and disarmed the device since it was armed, because this program was held up, if the device
@@ -376,13 +501,13 @@ impl<W: BlockingLink> Client<W> {
         if self.link.take_interruption() {
             return Err(ClientError::Interrupted);
         }
-        let ticket = self.link.send(request);
-        match self.link.wait(ticket, PATIENCE) {
+        match self.outcome_of(request, PATIENCE) {
             Some(Outcome::Refused(refusal)) => {
                 // A disarmed device refuses to be driven; the stall is the reason.
                 self.check_attended()?;
                 Err(refusal.into())
             }
+            Some(Outcome::Superseded) => Err(ClientError::Superseded),
             Some(Outcome::DeviceTooOld) => Err(ClientError::Mismatch(Compatibility::DeviceOlder)),
             Some(Outcome::NotConnected) => {
                 let error = self.snapshot().link.error.clone();

@@ -2,10 +2,19 @@
 
 use crate::hold::HoldEnd;
 use crate::measure::{CheckedDrive, MeasureError};
-use slipline_link::protocol::event::Fault;
+use slipline_link::protocol::event::{Fault, Faults};
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::{LinkError, Port, Refusal, SIGN_PATIENCE, system_words, upkeep};
 use std::time::Duration;
+
+/// Latched faults.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StandingFaults {
+    /// The set.
+    pub faults: Faults,
+    /// Each in words.
+    pub text: String,
+}
 
 /// Why a client's request failed.
 #[derive(Debug, thiserror::Error)]
@@ -64,9 +73,15 @@ pub enum ClientError {
         |fault| format!("the device stopped by itself, so its codes cannot be compared: {}", fault.text())
     ))]
     NotComparable(Option<Fault>),
-    /// The device stopped by itself, with these faults.
-    #[error("the device stopped: {0}")]
-    Stopped(String),
+    /// The device stopped by itself, with these faults, or a fault is latched still.
+    #[error("the device stopped: {}", .0.text)]
+    Stopped(StandingFaults),
+    /// A newer drive or a stop, of another thread, took the place of the request before the device had accepted it.
+    #[error("a newer request or a stop took its place before the device had accepted it")]
+    Superseded,
+    /// A call of another thread stopped or disarmed the device.
+    #[error("another thread of this program stopped the device")]
+    StoppedByCall,
     /// The drive was dropped before the trigger input rose.
     #[error("the device dropped the drive before the trigger")]
     Dropped,

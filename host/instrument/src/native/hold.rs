@@ -10,7 +10,8 @@ impl<W: BlockingLink> Client<W> {
     /// Sends the pending requests of a level hold whose tones rest.
     pub fn turn_hold(&self, holding: &mut Holding, plate: &Arc<Plate>) {
         while let Some(request) = holding.turn(&self.snapshot(), plate, true) {
-            holding.sent(self.send(request));
+            let ticket = self.send_of_hold(request, |ticket| holding.awaits(ticket));
+            holding.sent(ticket);
         }
     }
 

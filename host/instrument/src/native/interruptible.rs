@@ -95,6 +95,14 @@ impl BlockingLink for InterruptibleLink {
         self.look();
     }
 
+    fn send_awaited(&self, request: Request) -> Ticket {
+        Handle::send_awaited(&self.worker, request)
+    }
+
+    fn release(&self, ticket: Ticket) {
+        Handle::release(&self.worker, ticket);
+    }
+
     fn take_interruption(&self) -> bool {
         INTERRUPTED.take()
     }

@@ -6,10 +6,12 @@ mod error;
 mod hold;
 mod interruptible;
 mod measurer;
+mod sender;
 mod wait;
 
 pub use arming::ArmingConsent;
 pub use client::{BlockingLink, Client, LEASE};
-pub use error::ClientError;
+pub use error::{ClientError, StandingFaults};
 pub use interruptible::InterruptibleLink;
 pub use measurer::Measurer;
+pub use sender::TimedDrive;

@@ -20,10 +20,7 @@ impl<W: BlockingLink> Client<W> {
             LinkState::Disconnected => return Err(ClientError::Gone),
             LinkState::Connecting | LinkState::Connected => {}
         }
-        match snapshot.drive.status.filter(|status| !status.faults.is_empty()) {
-            Some(status) => Err(ClientError::Stopped(snapshot.faults_text(status.faults))),
-            None => Ok(()),
-        }
+        self.check_faults()
     }
 
     /// Waits until the device is at this sample index. Returns whether it is: `false` if `goes_on` has ended the wait.

@@ -1,5 +1,6 @@
 //! The handles of the worker: they send requests, read snapshots and give signs of life. Only the waits block.
 
+use crate::awaited::Awaited;
 use crate::clock::Clock;
 use crate::request::{Outcome, Request, Ticket};
 use crate::snapshot::Snapshot;
@@ -25,6 +26,8 @@ pub(super) struct Shared {
     /// When the latest sign of life was given, in microseconds of that clock; 0 before the first.
     sign_us: AtomicU64,
     pub(super) ask: Mutex<Ask>,
+    /// The requests whose outcomes are kept for callers that wait.
+    pub(super) awaited: Awaited,
 }
 
 /// Requests a sign of life from the driver (the loop that uses the device).
@@ -41,6 +44,7 @@ impl Shared {
             clock,
             sign_us: AtomicU64::default(),
             ask: Mutex::new(Box::new(|| ())),
+            awaited: Awaited::default(),
         }
     }
 
@@ -82,11 +86,28 @@ impl Handle {
         let _ = self.0.waker.wake();
     }
 
-    /// Queues a request and returns at once.
+    /// Queues a request and returns at once. The outcome is kept until that of the 64th later request; a caller that waits on
+    /// another thread than those of the other requests uses [`Handle::send_awaited`].
     pub fn send(&self, request: Request) -> Ticket {
+        self.queue(request, |_| ())
+    }
+
+    /// As [`Handle::send`]; the outcome is kept until [`Handle::release`], however many requests of other threads end
+    /// meanwhile.
+    pub fn send_awaited(&self, request: Request) -> Ticket {
+        self.queue(request, |ticket| self.0.awaited.keep(ticket))
+    }
+
+    /// Ends the wait for an outcome.
+    pub fn release(&self, ticket: Ticket) {
+        self.0.awaited.release(ticket);
+    }
+
+    fn queue(&self, request: Request, note: impl FnOnce(Ticket)) -> Ticket {
         let mut inbox = lock(&self.0.inbox);
         inbox.last.0 += 1;
         let ticket = inbox.last;
+        note(ticket);
         inbox.requests.push((ticket, request));
         drop(inbox);
         self.wake();

@@ -82,6 +82,7 @@ impl Worker {
         let mut connection = Connection::new(opener, waker, random_nonces());
         connection.keep_frames();
         connection.watch_driver();
+        connection.keep_awaited(shared.awaited.clone());
         let of_thread = shared.clone();
         let thread = thread::Builder::new().name("link".to_owned()).spawn(move || {
             // After a panic the connection is dropped, in whatever state it is.

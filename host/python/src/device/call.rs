@@ -2,16 +2,28 @@
 
 use super::attention::Attention;
 use super::{Block, Device, State, closed, lock};
+use crate::arguments::in_range;
 use crate::error::{Exception, Failure};
 use crate::plate::Plate as PyPlate;
+use crate::result::kind::PortInfo;
+use crate::result::{Answer, fields};
 use pyo3::prelude::*;
+use slipline_instrument::device_info::PortAnswer;
 use slipline_instrument::native::{Client, InterruptibleLink};
 use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_link::Port;
+use slipline_link::native::list_ports;
 use slipline_link::simulator::Options;
-use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::quantity::Range;
+use std::cell::RefCell;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
+
+thread_local! {
+    /// The exception of a signal that has interrupted the call of this thread. Python raises it in one thread only, so another
+    /// one must not take it.
+    static SIGNAL: RefCell<Option<PyErr>> = const { RefCell::new(None) };
+}
 
 /// The time that an armed device may be left alone.
 const UNATTENDED: Range = Range::new(1.0, 600.0, "s");
@@ -30,7 +42,7 @@ pub(crate) fn connect(
     sensor_m: Option<f64>,
     unattended_s: f64,
 ) -> PyResult<Device> {
-    OutOfRange::check("unattended_s", unattended_s, UNATTENDED).map_err(|it| Failure::out_of_range(&it))?;
+    in_range("unattended_s", unattended_s, UNATTENDED)?;
     let port: Port = port.parse().map_err(Failure::refused)?;
     let truth = match (actual_plate, sensor_m, &port) {
         (None, None, _) => None,
@@ -56,14 +68,12 @@ pub(crate) fn connect(
             })
         })
         .transpose()?;
-    let signal = Arc::new(Mutex::new(None));
-    let heard = Arc::clone(&signal);
-    let is_interrupted = move || {
+    let is_interrupted = || {
         let asked = Python::try_attach(|py| py.check_signals());
         let exception = asked.and_then(Result::err);
         let is_there = exception.is_some();
         if is_there {
-            *lock(&heard) = exception;
+            SIGNAL.set(exception);
         }
         is_there
     };
@@ -73,12 +83,25 @@ pub(crate) fn connect(
         port: port.clone(),
         rig,
         attention: Attention::new(Duration::from_secs_f64(unattended_s)),
-        signal,
         process: std::process::id(),
         state: Mutex::new(State::default()),
+        latest_log: Mutex::new(None),
     };
     device.call(py, move |client| Ok(client.observe(&port)?))?;
     Ok(device)
+}
+
+/// The exception of a signal that has interrupted the call of this thread.
+pub(super) fn take_signal() -> Option<PyErr> {
+    SIGNAL.take()
+}
+
+/// The ports of this computer at which a device can be, as ``slipline ports``: results with ``port``, ``label``, ``is_ours`` and
+/// ``usb_serial``.
+#[pyfunction]
+pub(crate) fn ports(py: Python<'_>) -> PyResult<Vec<Answer<PortInfo>>> {
+    let ports = py.detach(list_ports);
+    ports.iter().map(|info| Answer::of(py, fields(&PortAnswer::from(info)))).collect()
 }
 
 impl Device {
@@ -100,14 +123,16 @@ impl Device {
             return Err(Failure::Because(Exception::Unattended, text).into());
         };
         let result = py.detach(|| act(&self.client));
-        let signal = lock(&self.signal).take();
-        if let Some(exception) = signal {
+        if let Some(exception) = take_signal() {
             // Where the call has ended before it has noticed the interruption, the next one must not end by it.
             let _ = self.client.check_attended();
             self.client.stop_and_disarm();
             return Err(exception);
         }
-        Ok(result?)
+        result.map_err(|failure| {
+            let is_closed = lock(&self.state).block == Block::Closed;
+            if is_closed { closed().into() } else { failure.into() }
+        })
     }
 
     /// Whether the device can be driven, by its latest status.

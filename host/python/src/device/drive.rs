@@ -1,41 +1,28 @@
 //! Drives: tones by their places, and textures.
 
+use super::step::{Prepared, Step};
+use super::wait::{Limits, sample_index};
 use super::{ANY, Device, Loaded, lock};
+use crate::arguments::in_range;
 use crate::error::Failure;
 use crate::options::Options;
 use crate::place::{LEVEL, at_most_one};
-use crate::result::{Answer, fields};
+use crate::result::Answer;
+use crate::result::kind::Drive;
+use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use serde::Serialize;
-use slipline_instrument::native::{Client, InterruptibleLink};
+use pyo3::types::{PyDict, PyString};
+use pyo3::{Borrowed, type_hint_identifier, type_hint_union};
+use serde_json::{Map, Value};
+use slipline_instrument::native::{Client, ClientError, InterruptibleLink, TimedDrive};
 use slipline_instrument::requests::ToneRequest;
 use slipline_link::Sounding;
 use slipline_link::protocol::command::Apply;
-use slipline_link::protocol::limits::MAX_TONES;
-use slipline_model::answer::ToneAnswer;
-use slipline_model::field::tone_places::TonePlaces;
-use slipline_model::setup::{GLIDE_RANGE_S, Setup, edit};
+use slipline_model::setup::{GLIDE_RANGE_S, Setup};
 use slipline_model::texture::{chord_of, setup_of, sounding};
-use slipline_plate::quantity::{Count, Counted, OutOfRange, Range, must_be};
+use slipline_plate::quantity::Range;
 use slipline_plate::texture::TextureTone;
 use std::sync::Arc;
-
-/// The fields of a drive, as far as they are known when it begins: those of `slipline drive --json`.
-#[derive(Serialize)]
-struct DriveAnswer<'a> {
-    plate: &'a str,
-    /// `None` while it waits for the trigger.
-    at_samples: Option<u64>,
-    tones: Vec<ToneAnswer>,
-    chord_gain_db: Option<f64>,
-    table: TableAnswer,
-}
-
-#[derive(Serialize)]
-struct TableAnswer {
-    crc: String,
-}
 
 /// The tone of these places, if one of them is given.
 pub(super) fn asked_tone(
@@ -44,7 +31,7 @@ pub(super) fn asked_tone(
     frequency_hz: Option<f64>,
     level: f64,
 ) -> Result<Option<ToneRequest>, Failure> {
-    OutOfRange::check("level", level, LEVEL).map_err(|it| Failure::out_of_range(&it))?;
+    in_range("level", level, LEVEL)?;
     let asked = at_most_one(felt_edge_m, turning_point_m, frequency_hz)?;
     Ok(asked.map(|asked| ToneRequest { asked, level }))
 }
@@ -62,27 +49,60 @@ pub(super) fn further_tone(tone: &Bound<'_, PyDict>, level: f64) -> PyResult<Ton
     Ok(tone.ok_or_else(none)?)
 }
 
-/// When a drive begins: a sample index, or a word.
-#[derive(Clone, Debug, FromPyObject)]
+/// Refuses a duration of a change.
+pub(super) fn check_glide(glide_s: f64) -> Result<(), Failure> {
+    let (low_s, high_s) = GLIDE_RANGE_S;
+    in_range("glide_s", glide_s, Range::new(low_s, high_s, "s"))
+}
+
+/// When a drive begins: a sample index, or with the trigger.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum At {
     /// A sample index.
     Index(u64),
-    /// `"trigger"`.
-    Word(String),
+    /// The rise of the trigger input.
+    Trigger,
+}
+
+/// What is allowed for it.
+const BEGINNINGS: &str = "None, a sample index, or \"trigger\"";
+
+impl<'a, 'py> FromPyObject<'a, 'py> for At {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = type_hint_union!(
+        <u64 as FromPyObject<'a, 'py>>::INPUT_TYPE,
+        type_hint_identifier!("builtins", "str")
+    );
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match given.cast::<PyString>() {
+            Ok(word) if word.to_str()? == "trigger" => Ok(Self::Trigger),
+            Ok(word) => {
+                let given = format_args!("at = {:?}", word.to_str()?);
+                Err(Failure::wrong_arguments(given, BEGINNINGS).into())
+            }
+            Err(_) => sample_index("at", &given, BEGINNINGS).map(Self::Index),
+        }
+    }
 }
 
 impl At {
-    pub(super) fn apply(at: Option<Self>) -> Result<Apply, Failure> {
+    /// When the device begins.
+    pub(super) const fn begin(at: Option<Self>) -> Apply {
         match at {
-            None => Ok(Apply::Next),
-            Some(Self::Index(index)) => Ok(Apply::At(index)),
-            Some(Self::Word(word)) if word == "trigger" => Ok(Apply::AtTrigger),
-            Some(Self::Word(word)) => {
-                let given = format_args!("at = {word:?}");
-                Err(Failure::wrong_arguments(given, "None, a sample index, or \"trigger\""))
-            }
+            None => Apply::Next,
+            Some(Self::Index(index)) => Apply::At(index),
+            Some(Self::Trigger) => Apply::AtTrigger,
         }
     }
+}
+
+/// What becomes of a drive when it is sent.
+enum Sent {
+    /// It begins at this index, or waits for the trigger since then.
+    Accepted(u64),
+    /// A newer drive or a stop of another thread took its place.
+    Superseded,
 }
 
 impl Device {
@@ -93,36 +113,21 @@ impl Device {
         tones: Vec<ToneRequest>,
         glide_s: f64,
         apply: Apply,
-    ) -> PyResult<Answer> {
-        let (low_s, high_s) = GLIDE_RANGE_S;
-        OutOfRange::check("glide_s", glide_s, Range::new(low_s, high_s, "s"))
-            .map_err(|it| Failure::out_of_range(&it))?;
-        let allowed = Count::new(1, MAX_TONES, Counted::Tones);
-        if !allowed.contains(tones.len()) {
-            let given = format_args!("{} {}", tones.len(), allowed.of);
-            return Err(Failure::refused(must_be(given, allowed)).into());
-        }
+    ) -> PyResult<Answer<Drive>> {
+        let step = Step::of(tones, glide_s)?;
         let loaded = self.loaded()?;
-        self.sound(py, apply, move |_| {
-            let like = Setup { glide_s, ..Setup::new(Arc::clone(&loaded.plate)) };
-            let setup = ToneRequest::setup(&tones, like, &loaded.table);
-            let setup = setup.map_err(|(_, error)| Failure::of(&error))?;
-            let sounding = Sounding::Drive(edit::drive(&setup));
-            Ok((loaded, setup, sounding))
-        })
+        self.sound(py, apply, move |_| step.prepare(&loaded))
     }
 
     /// Plays a texture of the plate in use.
     pub(super) fn play_texture(
         &self,
         py: Python<'_>,
-        texture: &Bound<'_, Answer>,
+        texture: &Bound<'_, PyAny>,
         glide_s: f64,
         apply: Apply,
-    ) -> PyResult<Answer> {
-        let (low_s, high_s) = GLIDE_RANGE_S;
-        OutOfRange::check("glide_s", glide_s, Range::new(low_s, high_s, "s"))
-            .map_err(|it| Failure::out_of_range(&it))?;
+    ) -> PyResult<Answer<Drive>> {
+        check_glide(glide_s)?;
         let loaded = self.loaded()?;
         let plate: String = texture.getattr("plate")?.extract()?;
         if plate != loaded.plate.name() {
@@ -151,7 +156,7 @@ impl Device {
             let chord = chord_of(&setup, &loaded.on_device);
             let sounding = sounding(&setup, chord, &loaded.on_device, &client.snapshot());
             let sounding = sounding.map_err(|error| Failure::of(&error))?;
-            Ok((loaded, setup, sounding))
+            Prepared::new(loaded, setup, sounding)
         })
     }
 
@@ -160,38 +165,88 @@ impl Device {
         &self,
         py: Python<'_>,
         apply: Apply,
-        make: impl FnOnce(&Client<InterruptibleLink>) -> Result<(Loaded, Setup, Sounding), Failure> + Send,
-    ) -> PyResult<Answer> {
-        let (at, answer) = self.call(py, move |client| {
-            if apply == Apply::AtTrigger && client.snapshot().has_trigger_input() == Some(false) {
+        make: impl FnOnce(&Client<InterruptibleLink>) -> Result<Prepared, Failure> + Send,
+    ) -> PyResult<Answer<Drive>> {
+        let waits = apply == Apply::AtTrigger;
+        let (sent, answer) = self.call(py, move |client| {
+            if waits && client.snapshot().has_trigger_input() == Some(false) {
                 return Err(Failure::refused("the device has no trigger input: leave out at=\"trigger\""));
             }
-            let (loaded, setup, sounding) = make(client)?;
-            let Loaded { plate, table, on_device } = &loaded;
-            if !matches!(sounding, Sounding::Chord(_)) {
-                let master = setup.master();
-                let sum = setup.tones.iter().map(|tone| (tone.position_m, tone.level * master));
-                let checked = on_device.check_sum(&sum.collect::<Vec<_>>());
-                checked.map_err(Failure::refused)?;
-            }
-            let at = client.play(sounding.clone().beginning(apply))?;
-            let (places, chord_gain_db) =
-                client.during(|| TonePlaces::as_played(setup, Some(&sounding), table))?;
-            let tones = TonePlaces::on_device(&places, on_device).map(|(tone, hz)| ToneAnswer::of(tone, hz));
-            let answer = DriveAnswer {
-                plate: plate.name(),
-                at_samples: (apply != Apply::AtTrigger).then_some(at),
-                tones: tones.collect(),
-                chord_gain_db,
-                table: TableAnswer { crc: format!("{:08x}", on_device.crc()) },
-            };
-            Ok((at, fields(&answer)))
+            let prepared = make(client)?;
+            prepared.check_table(&client.snapshot())?;
+            let sent = send(client, prepared.sounding.clone(), apply)?;
+            let at = if let Sent::Accepted(at) = sent { Some(at).filter(|_| !waits) } else { None };
+            Ok((sent, prepared.answer(client, at)?))
         })?;
-        let waits = apply == Apply::AtTrigger;
-        {
+        if let Sent::Accepted(at) = sent {
             let mut state = lock(&self.state);
             (state.began, state.accepted) = ((!waits).then_some(at), waits.then_some(at));
         }
-        Answer::of(py, answer)
+        result_of(py, answer, matches!(sent, Sent::Superseded))
     }
+
+    /// Plays each of these steps from its index on.
+    pub(super) fn play_steps(
+        &self,
+        py: Python<'_>,
+        steps: Vec<(u64, Step)>,
+        limits: Limits,
+    ) -> PyResult<Vec<Answer<Drive>>> {
+        let loaded = self.loaded()?;
+        let (began, answers) = self.call(py, move |client| {
+            let mut wait = limits.begin(client);
+            let made = client.during(|| {
+                let steps = steps.into_iter();
+                steps.map(|(at, step)| Ok((at, step.prepare(&loaded)?))).collect::<Result<Vec<_>, Failure>>()
+            })??;
+            if let Some((_, prepared)) = made.first() {
+                prepared.check_table(&client.snapshot())?;
+            }
+            let drives =
+                made.iter().map(|(at, prepared)| TimedDrive { at: *at, sounding: prepared.sounding.clone() });
+            let began = client.play_each(drives.collect(), || wait.goes_on())?;
+            wait.check()?;
+            let answers = made.iter().zip(&began).map(|((_, prepared), &at)| prepared.answer(client, at));
+            let answers = answers.collect::<Result<Vec<_>, Failure>>()?;
+            Ok((began, answers))
+        })?;
+        if let Some(at) = began.iter().copied().flatten().last() {
+            let mut state = lock(&self.state);
+            (state.began, state.accepted) = (Some(at), None);
+        }
+        let results = answers.into_iter().zip(began);
+        results.map(|(answer, at)| result_of(py, answer, at.is_none())).collect()
+    }
+
+    /// Ends what sounds at this sample index; returns the index at which it begins to fade.
+    pub(super) fn stop_at(&self, py: Python<'_>, at: u64, glide_s: f64) -> PyResult<u64> {
+        check_glide(glide_s)?;
+        let limits = Limits::new(None, None)?;
+        self.call(py, move |client| {
+            let mut wait = limits.begin(client);
+            match client.stop_at(at, glide_s, || wait.goes_on())? {
+                Some(at) => Ok(at),
+                // Another thread has stopped it, or drives.
+                None => Ok(client.refresh()?),
+            }
+        })
+    }
+}
+
+/// Sends what sounds; an index that is far ahead, or behind another change, is waited for.
+fn send(client: &Client<InterruptibleLink>, sounding: Sounding, apply: Apply) -> Result<Sent, ClientError> {
+    let stops = client.stops();
+    let sent = match apply {
+        Apply::At(at) => client.play_at(TimedDrive { at, sounding }, || client.stops() == stops),
+        Apply::Next | Apply::AtTrigger => client.play(sounding.beginning(apply)).map(Some),
+    };
+    match sent {
+        Ok(Some(at)) => Ok(Sent::Accepted(at)),
+        Ok(None) | Err(ClientError::Superseded) => Ok(Sent::Superseded),
+        Err(error) => Err(error),
+    }
+}
+
+fn result_of(py: Python<'_>, answer: Map<String, Value>, is_superseded: bool) -> PyResult<Answer<Drive>> {
+    Answer::of(py, answer)?.with(py, "superseded", is_superseded)
 }

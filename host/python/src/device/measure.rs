@@ -1,11 +1,10 @@
 //! Measurements with the device's own inputs.
 
-use super::{ANY, Device, Loaded, lock, may_be_armed};
+use super::{Device, Loaded, lock, may_be_armed};
+use crate::arguments::optional;
 use crate::error::Failure;
 use crate::measurement::{Measurement, sensor_kind};
-use crate::options::Options;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use slipline_instrument::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT};
 use slipline_instrument::measure::{KnownDrive, LEVEL, POINTS, Sensor, current_sensor};
 use slipline_instrument::native::Measurer;
@@ -13,6 +12,23 @@ use slipline_instrument::requests::{Frequencies, IncompleteCircuit, MeasureReque
 use slipline_instrument::rig::PreparedRig;
 use slipline_plate::calibrate::SensorKind;
 use slipline_plate::quantity::{OutOfRange, Range, must_be};
+
+/// The frequencies of a measurement and their level, as they are given.
+pub(super) struct Band {
+    pub(super) points: Option<usize>,
+    pub(super) low_hz: Option<f64>,
+    pub(super) high_hz: Option<f64>,
+    pub(super) level: Option<f64>,
+    pub(super) sweep: bool,
+}
+
+/// The drive circuit of a measurement, as it is given: all values or none.
+pub(super) struct Circuit {
+    pub(super) amplifier_v: Option<f64>,
+    pub(super) coil_ohm: Option<f64>,
+    pub(super) piezo_f: Option<f64>,
+    pub(super) shunt_a: Option<f64>,
+}
 
 /// A measurement that is asked for.
 pub(super) struct Wish {
@@ -27,48 +43,42 @@ impl Wish {
         place_m: Option<f64>,
         kind: &str,
         input: &str,
-        as_cli: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Self> {
-        let mut options = Options::new("measure", as_cli)?;
+        band: Band,
+        circuit: Circuit,
+    ) -> Result<Self, Failure> {
         let kind = sensor_kind(kind)?;
         let sensor = match (input, place_m) {
             ("sensor", Some(place_m)) => Some((place_m, kind)),
             ("sensor", None) => {
-                return Err(Failure::wrong_arguments("place_m of measure()", "the sensor's place").into());
+                return Err(Failure::wrong_arguments("place_m of measure()", "the sensor's place"));
             }
             ("current", _) => None,
             _ => {
                 let given = format_args!("input = {input:?}");
-                return Err(Failure::refused(must_be(given, "\"sensor\" or \"current\"")).into());
+                return Err(Failure::refused(must_be(given, "\"sensor\" or \"current\"")));
             }
         };
-        let points = options.number("points", POINTS)?;
-        if let Some(points) = points.filter(|points| points.fract() != 0.0) {
-            return Err(options.wrong("points", &format!("a whole number, not {points}")).into());
-        }
-        let frequencies = Frequencies {
-            low_hz: options.number("from_", ANY)?,
-            high_hz: options.number("to", ANY)?,
-            points: points.map(|points| points as usize),
-            level: options.number("level", LEVEL)?,
-        };
-        let is_sweep = options.switch("sweep")?;
-        let request = MeasureRequest { frequencies, is_sweep, known: known_drive(&mut options)? };
-        options.end()?;
+        let Band { points, low_hz, high_hz, level, sweep: is_sweep } = band;
+        optional("points", points.map(|points| points as f64), POINTS)?;
+        optional("level", level, LEVEL)?;
+        let frequencies = Frequencies { low_hz, high_hz, points, level };
+        let request = MeasureRequest { frequencies, is_sweep, known: circuit.known()? };
         Ok(Self { sensor, request })
     }
 }
 
-/// The drive circuit of the options: all values or none.
-fn known_drive(options: &mut Options<'_>) -> PyResult<Option<KnownDrive>> {
-    let [amplifier, coil, piezo, shunt] =
-        [("amplifier", AMPLIFIER), ("coil", COIL), ("piezo", PIEZO), ("shunt", SHUNT)]
-            .map(|(name, range)| options.number(name, range));
-    let known = circuit_of(amplifier?, coil?, piezo?, shunt?);
-    Ok(known.map_err(|IncompleteCircuit| {
-        let given = "the drive circuit of measure()";
-        Failure::wrong_arguments(given, "amplifier, shunt, and one of coil and piezo")
-    })?)
+impl Circuit {
+    fn known(self) -> Result<Option<KnownDrive>, Failure> {
+        let Self { amplifier_v, coil_ohm, piezo_f, shunt_a } = self;
+        optional("amplifier_v", amplifier_v, AMPLIFIER)?;
+        optional("coil_ohm", coil_ohm, COIL)?;
+        optional("piezo_f", piezo_f, PIEZO)?;
+        optional("shunt_a", shunt_a, SHUNT)?;
+        circuit_of(amplifier_v, coil_ohm, piezo_f, shunt_a).map_err(|IncompleteCircuit| {
+            let given = "the drive circuit of measure()";
+            Failure::wrong_arguments(given, "amplifier_v, shunt_a, and one of coil_ohm and piezo_f")
+        })
+    }
 }
 
 impl Device {

@@ -1,15 +1,17 @@
 //! What is computed on a plate: the calls of the class.
 
-use super::{Plate, file_failure, named};
+use super::numbers::{flatten, frequencies_of, frequency_of, replaced};
+use super::{Plate, check_length, file_failure, named};
+use crate::actual::PlateArgument;
+use crate::arguments::{ArrayLike, OneOrMore, SERIES_MAX, items, pair};
 use crate::calibrate;
 use crate::error::Failure;
 use crate::field;
 use crate::finger::FingerArgument;
 use crate::measurement::Measurement;
-use crate::one_or_more::OneOrMore;
-use crate::options::Options;
 use crate::place::at_most_one;
-use crate::result::{Answer, columns, fields};
+use crate::result::kind::{Calibration, Check, Field, Merit, Simulation, Table, Texture};
+use crate::result::{Answer, Answers, columns, fields};
 use crate::simulate;
 use crate::texture;
 use crate::waiting::compute;
@@ -19,11 +21,12 @@ use serde_json::Value;
 use slipline_model::answer::check::{CheckAnswer, check};
 use slipline_model::answer::merit::{MeritAnswer, rate};
 use slipline_model::answer::table::BuiltTable;
+use slipline_model::field::asked_place::turning_point_on;
 use slipline_model::field::simulation::{SAMPLE_RATE_HZ, table_for_watched};
 use slipline_plate::check::Conditions;
-use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::quantity::{OutOfRange, PlaceOrFrequency, Range};
 use slipline_plate::texture::Palette;
-use slipline_plate::{KNOTS_MAX, PlateFileError, sample_rates};
+use slipline_plate::{KNOTS_MAX, PLATE_FILE_BYTES_MAX, PlateFileError, sample_rates};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -40,6 +43,7 @@ impl Plate {
     /// Raises ``BadFile``, or ``OutOfRange`` with the field of the file.
     #[classmethod]
     fn from_toml(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
+        check_length("the plate", text, PLATE_FILE_BYTES_MAX)?;
         let plate = slipline_plate::Plate::from_toml(text);
         Ok(plate.map_err(|error: PlateFileError| file_failure(&error))?.into())
     }
@@ -73,8 +77,53 @@ impl Plate {
         self.plate.band_hz()
     }
 
+    /// The frequency whose wave turns at ``turning_point_m``, Hz: a number, or an array for a series.
+    ///
+    /// Raises ``OutOfRange`` beyond the plate's span.
+    fn frequency_hz<'py>(
+        &self,
+        py: Python<'py>,
+        turning_point_m: ArrayLike<'_>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let places_m = turning_point_m.one_or_more("turning_point_m", SERIES_MAX)?;
+        places_m.map(|place_m| frequency_of(&self.plate, place_m))?.into_python(py)
+    }
+
+    /// The turning point of the wave of ``frequency_hz``, metres: a number, or an array for a series.
+    ///
+    /// Raises ``OutOfRange`` beyond the plate's band.
+    fn turning_point_m<'py>(
+        &self,
+        py: Python<'py>,
+        frequency_hz: ArrayLike<'_>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let frequencies_hz = frequency_hz.one_or_more("frequency_hz", SERIES_MAX)?;
+        let turns = |hz| turning_point_on(PlaceOrFrequency::Frequency(hz), &self.plate);
+        frequencies_hz.map(|hz| turns(hz).map_err(|it| Failure::out_of_range(&it)))?.into_python(py)
+    }
+
+    /// The plate with other numbers: ``plate.replace(loss_factor=0.02, taper={"rate_per_m": 4.1})``. Paths of the file are taken,
+    /// too: ``plate.replace(**{"taper.rate_per_m": 4.1})``.
+    ///
+    /// Raises ``OutOfRange``; ``TypeError`` for a number that its file does not state.
+    #[pyo3(signature = (**numbers))]
+    fn replace(&self, numbers: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut changes = Vec::new();
+        if let Some(numbers) = numbers {
+            flatten("", numbers, &mut changes)?;
+        }
+        replaced(&self.plate, &changes)
+    }
+
+    /// The fields of its plate file as plain data.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("tomllib")?.call_method1("loads", (self.to_toml(),))
+    }
+
     fn __repr__(&self) -> String {
-        format!("<slipline.Plate {:?}>", self.plate.name())
+        let (low_hz, high_hz) = self.plate.band_hz();
+        let (name, length_m) = (self.plate.name(), self.plate.length_m());
+        format!("<slipline.Plate {name:?}: {length_m} m, {low_hz:.6} to {high_hz:.6} Hz>")
     }
 
     fn __eq__(&self, other: &Self) -> bool {
@@ -107,7 +156,7 @@ impl Plate {
         frequency_hz: Option<f64>,
         level: f64,
         off_centre: bool,
-    ) -> PyResult<Answer> {
+    ) -> PyResult<Answer<Check>> {
         let asked = at_most_one(felt_edge_m, turning_point_m, frequency_hz)?;
         let plate = Arc::clone(&self.plate);
         let found = compute(py, move |progress| {
@@ -123,7 +172,8 @@ impl Plate {
         Answer::of(py, found)
     }
 
-    /// The field at one frequency or at several, as ``slipline respond``.
+    /// The field at one frequency or at several, as ``slipline respond``: those of ``frequency_hz``, or of the tones with these
+    /// turning points or felt edges; a felt edge is that of a tone of ``level``.
     ///
     /// ``points`` places, 8 to 200 001, lie from the driven to the narrow end. ``finger`` is ``(place_m, "light")``,
     /// ``(place_m, "firm")``, or ``(place_m, resistance_n_s_per_m, mass_kg, contact_m)``. ``paper_mode`` is the paper's equation;
@@ -131,20 +181,24 @@ impl Plate {
     /// (n,), and ``amplitude`` one of shape (n, points).
     ///
     /// Raises ``OutOfRange``: ``frequency_hz`` goes from the cut-off at the wide end to four times the highest that turns on
-    /// the plate.
-    #[pyo3(signature = (frequency_hz, *, points=2001, finger=None, paper_mode=false, two_dimensions=false))]
+    /// the plate, and a call takes up to 100 000 of them; ``MemoryError`` where the result has no room.
+    #[pyo3(signature = (frequency_hz=None, *, turning_point_m=None, felt_edge_m=None, level=0.8, points=2001, finger=None, paper_mode=false, two_dimensions=false))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
     fn respond(
         &self,
         py: Python<'_>,
-        frequency_hz: OneOrMore,
+        frequency_hz: Option<ArrayLike<'_>>,
+        turning_point_m: Option<ArrayLike<'_>>,
+        felt_edge_m: Option<ArrayLike<'_>>,
+        level: f64,
         points: usize,
         finger: Option<FingerArgument>,
         paper_mode: bool,
         two_dimensions: bool,
-    ) -> PyResult<Answer> {
-        let finger = finger.map(FingerArgument::finger).transpose()?;
+    ) -> PyResult<Answer<Field>> {
+        let finger = finger.map(|FingerArgument(finger)| finger);
         let asked = field::Asked { points, finger, paper_mode, two_dimensions };
-        match frequency_hz {
+        match frequencies_of(py, &self.plate, [frequency_hz, turning_point_m, felt_edge_m], level)? {
             OneOrMore::One(hz) => field::at_one(py, &self.plate, hz, asked),
             OneOrMore::More(each_hz) => field::at_each(py, self, each_hz, asked),
         }
@@ -155,7 +209,7 @@ impl Plate {
     ///
     /// Raises ``OutOfRange`` for ``sample_rate_hz`` and for ``knots`` (2 to 1025); ``Refused`` if the plate has no table.
     #[pyo3(signature = (*, sample_rate_hz=400e3, knots=1025))]
-    fn table(&self, py: Python<'_>, sample_rate_hz: f64, knots: usize) -> PyResult<Answer> {
+    fn table(&self, py: Python<'_>, sample_rate_hz: f64, knots: usize) -> PyResult<Answer<Table>> {
         let plate = Arc::clone(&self.plate);
         let found = compute(py, move |progress| {
             let counts = Range::new(2.0, KNOTS_MAX as f64, "");
@@ -175,26 +229,34 @@ impl Plate {
     /// A drive through the whole signal chain and on the plate in time, as ``slipline simulate``.
     ///
     /// The tones are named by one of ``felt_edge_m``, ``turning_point_m`` and ``frequency_hz``: a number, or a sequence of up to
-    /// 16. ``level`` is 0 to 1, one for all or one for each; 0.8 by default. Options: ``actual_plate`` (a ``Plate``, a name or
-    /// ``"secret:SEED"``), ``seconds`` (0.01 to 600), ``no_table``, ``sheet``, ``finger`` (as for ``respond``), ``feeling`` (a
-    /// file), and ``setup`` (a setup file, in the place of tones).
+    /// 16. ``level`` is 0 to 1, one for all or one for each; 0.8 by default. ``actual_plate`` is a ``Plate``, a name or
+    /// ``"secret:SEED"``; ``duration_s`` is 0.01 to 600; ``no_table`` drives without the table's gains, ``sheet`` solves the sheet in
+    /// two dimensions; ``finger`` is as for ``respond``, ``feeling`` a file, and ``setup`` a setup file, in the place of tones.
     ///
     /// The fields are those of the first tone and of all; ``.tones`` has those of each.
     ///
     /// Raises ``OutOfRange``; ``Refused`` if no tone of this level has this felt edge, or the sum of the tones is too large;
     /// ``BadFile``.
-    #[pyo3(signature = (*, felt_edge_m=None, turning_point_m=None, frequency_hz=None, level=None, **as_cli))]
+    #[pyo3(signature = (*, felt_edge_m=None, turning_point_m=None, frequency_hz=None, level=None, actual_plate=None, duration_s=None, no_table=false, sheet=false, finger=None, feeling=None, setup=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
     fn simulate(
         &self,
         py: Python<'_>,
-        felt_edge_m: Option<OneOrMore>,
-        turning_point_m: Option<OneOrMore>,
-        frequency_hz: Option<OneOrMore>,
-        level: Option<OneOrMore>,
-        as_cli: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Answer> {
-        let options = Options::new("simulate", as_cli)?;
+        felt_edge_m: Option<ArrayLike<'_>>,
+        turning_point_m: Option<ArrayLike<'_>>,
+        frequency_hz: Option<ArrayLike<'_>>,
+        level: Option<ArrayLike<'_>>,
+        actual_plate: Option<PlateArgument<'_>>,
+        duration_s: Option<f64>,
+        no_table: bool,
+        sheet: bool,
+        finger: Option<FingerArgument>,
+        feeling: Option<PathBuf>,
+        setup: Option<PathBuf>,
+    ) -> PyResult<Answer<Simulation>> {
         let places = [felt_edge_m, turning_point_m, frequency_hz];
+        let finger = finger.map(|FingerArgument(finger)| finger);
+        let options = simulate::Options { actual_plate, duration_s, no_table, sheet, finger, feeling, setup };
         simulate::run(py, &self.plate, places, level, options)
     }
 
@@ -211,12 +273,14 @@ impl Plate {
         &self,
         py: Python<'_>,
         solid_m: Option<f64>,
-        profile: Option<(Vec<f64>, Vec<f64>)>,
+        profile: Option<Bound<'_, PyAny>>,
         image: Option<PathBuf>,
         stripes_m: Option<f64>,
-        beat: Option<(f64, f64)>,
+        beat: Option<Bound<'_, PyAny>>,
         tones: usize,
-    ) -> PyResult<Answer> {
+    ) -> PyResult<Answer<Texture>> {
+        let profile = profile.map(|given| texture::profile(&given)).transpose()?;
+        let beat = beat.map(|given| pair("beat", &given, "(place_m, beat_hz)")).transpose()?;
         let wanted = texture::Wanted { solid_m, profile, image, stripes_m, beat };
         texture::run(py, &self.plate, wanted, tones)
     }
@@ -225,7 +289,7 @@ impl Plate {
     ///
     /// Raises ``OutOfRange``; ``Refused`` if there is no room for an even area before any of them.
     #[pyo3(signature = (*, turning_point_m=None))]
-    fn merit(&self, py: Python<'_>, turning_point_m: Option<f64>) -> PyResult<Vec<Answer>> {
+    fn merit(&self, py: Python<'_>, turning_point_m: Option<f64>) -> PyResult<Answers<Merit>> {
         let asked = at_most_one(None, turning_point_m, None)?;
         let plate = Arc::clone(&self.plate);
         let found = compute(py, move |progress| {
@@ -239,29 +303,44 @@ impl Plate {
             let merits = merits.map_err(|error| Failure::of(&error))?;
             Ok(MeritAnswer::of(&plate, &merits).turning_points.iter().map(fields).collect::<Vec<_>>())
         })?;
-        found.into_iter().map(|merit| Answer::of(py, merit)).collect()
+        let merits = found.into_iter().map(|merit| Answer::of(py, merit));
+        Ok(Answers(merits.collect::<PyResult<Vec<_>>>()?))
     }
 
     /// The plate with its numbers fitted, as ``slipline calibrate``, by measurements of one sensor at two places or at one, by
     /// the drive's current, or by felt edges.
     ///
-    /// ``measurements`` is a sequence of one or two ``Measurement``, or ``()`` with ``touch``. Options: ``current`` (``"coil"`` or
-    /// ``"piezo"``: the measurement is that of the current); ``touch``, a sequence of ``(asked_m, felt_m)``, with ``level``,
-    /// ``touch_tolerance``, ``touched_drive`` (``"as-told"`` or ``"unknown"``) and ``feeling`` (a file); and the calipers'
-    /// ``half_width``, ``end_half_width``, ``length`` and ``calipers_tolerance``.
+    /// ``measurements`` is a sequence of one or two ``Measurement``, or ``()`` with ``touch``. ``current`` is ``"coil"`` or
+    /// ``"piezo"``: the measurement is that of the current. ``touch`` is a sequence of ``(asked_m, felt_m)``, with ``level``,
+    /// ``touch_tolerance_m``, ``touched_drive`` (``"as-told"`` or ``"unknown"``) and ``feeling`` (a file). The calipers gave
+    /// ``half_width_m``, ``end_half_width_m`` and ``length_m``, within ``calipers_tolerance_m``.
     ///
     /// ``.plate`` is the calibrated plate, or ``None`` where ``.accepted`` is false; then ``.reason`` says why.
     ///
     /// Raises ``OutOfRange``, ``Refused`` and ``BadFile``. After Ctrl-C the fit runs on in the background, and its
     /// result is dropped.
-    #[pyo3(signature = (measurements, **as_cli))]
+    #[pyo3(signature = (measurements, *, current=None, touch=None, level=None, touch_tolerance_m=None, touched_drive=None, feeling=None, half_width_m=None, end_half_width_m=None, length_m=None, calipers_tolerance_m=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
     fn calibrate(
         &self,
         py: Python<'_>,
-        measurements: Vec<Bound<'_, Measurement>>,
-        as_cli: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Answer> {
+        measurements: &Bound<'_, PyAny>,
+        current: Option<&str>,
+        touch: Option<Bound<'_, PyAny>>,
+        level: Option<f64>,
+        touch_tolerance_m: Option<f64>,
+        touched_drive: Option<&str>,
+        feeling: Option<PathBuf>,
+        half_width_m: Option<f64>,
+        end_half_width_m: Option<f64>,
+        length_m: Option<f64>,
+        calipers_tolerance_m: Option<f64>,
+    ) -> PyResult<Answer<Calibration>> {
+        let measurements: Vec<Bound<'_, Measurement>> = items("measurements", measurements, 2)?;
         let measured = measurements.iter().map(|measurement| Arc::clone(&measurement.get().inner)).collect();
-        calibrate::run(py, &self.plate, measured, Options::new("calibrate", as_cli)?)
+        let current = calibrate::transducer(current)?;
+        let calipers = calibrate::calipers(half_width_m, end_half_width_m, length_m, calipers_tolerance_m)?;
+        let touches = calibrate::Touches { touch, level, touch_tolerance_m, touched_drive, feeling };
+        calibrate::run(py, &self.plate, measured, current, calipers, touches.read()?)
     }
 }

@@ -1,0 +1,405 @@
+//! What Python calls on a device.
+
+use super::drive::{At, asked_tone, further_tone};
+use super::measure::{Band, Circuit, Wish};
+use super::step::Step;
+use super::wait::{Awaited, Limits, SampleIndex};
+use super::{Block, Device, Loaded, closed, lock, may_be_armed, take_signal};
+use crate::arguments::items;
+use crate::coroutine::{Coroutine, StatusIterator};
+use crate::error::Failure;
+use crate::measurement::Measurement;
+use crate::plate::Plate as PyPlate;
+use crate::result::kind::{Drive, Status, Verification};
+use crate::result::{Answer, ResultArgument, fields};
+use pyo3::exceptions::PyUserWarning;
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+use slipline_instrument::device_info::DeviceInfo;
+use slipline_instrument::hold::{Holding, MAX_RISE};
+use slipline_instrument::measure::verify_windows_s;
+use slipline_instrument::native::ArmingConsent;
+use slipline_link::Severity;
+use slipline_link::protocol::limits::MAX_TONES;
+use slipline_model::field::simulation::table_for;
+use slipline_plate::quantity::{OutOfRange, Range};
+use std::sync::Arc;
+
+/// The level of Python's `logging`.
+const fn level_of(severity: Severity) -> u8 {
+    match severity {
+        Severity::Detail => 10,
+        Severity::Info => 20,
+        Severity::Warning => 30,
+        Severity::Error => 40,
+    }
+}
+
+/// Times between two looks of an iterator.
+const PERIODS: Range = Range::new(0.01, 60.0, "s");
+
+#[pymethods]
+impl Device {
+    /// Makes the device hold the table of this plate, unless it holds it already.
+    #[pyo3(name = "use")]
+    fn use_plate(&self, py: Python<'_>, plate: &PyPlate) -> PyResult<()> {
+        let plate = Arc::clone(&plate.plate);
+        let (loaded, is_limited) = self.call(py, move |client| {
+            let rate_hz = client.identity()?.sample_rate_hz;
+            let made = client.during(|| table_for(&plate, rate_hz))?;
+            let (table, on_device) = made.map_err(|error| Failure::of(&error))?;
+            client.use_table(Arc::clone(&on_device))?;
+            let is_limited = on_device.travel_limit().is_none() || client.snapshot().can_limit_travel();
+            Ok((Loaded { plate, table: Arc::new(table), on_device }, is_limited))
+        })?;
+        lock(&self.state).loaded = Some(loaded);
+        if !is_limited {
+            let text = c"the device does not limit the actuator's travel: its firmware is too old for it";
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), text, 1)?;
+        }
+        Ok(())
+    }
+
+    /// Unmutes the amplifier and accepts drives; only inside the block.
+    ///
+    /// A board without a brown-out level, or without a profile of its actuator, is armed only where the user accepts that.
+    #[pyo3(signature = (*, despite_brown_out_level=false, despite_no_profile=false))]
+    fn arm(&self, py: Python<'_>, despite_brown_out_level: bool, despite_no_profile: bool) -> PyResult<()> {
+        self.check_block("arm()")?;
+        let consent = ArmingConsent { despite_brown_out_level, despite_no_profile };
+        self.call(py, move |client| {
+            may_be_armed(client, consent)?;
+            // The attention of this program takes the place of a lease.
+            Ok(client.arm_for(None)?)
+        })?;
+        lock(&self.state).consent = consent;
+        Ok(())
+    }
+
+    /// Ramps to silence and mutes the amplifier; returns when it is silent.
+    fn disarm(&self, py: Python<'_>) -> PyResult<()> {
+        self.call(py, |client| Ok(client.disarm()?))
+    }
+
+    /// Clears the latched faults whose causes are gone. The device is disarmed then: call :meth:`arm`.
+    ///
+    /// Raises ``Fault`` with those whose causes stand.
+    fn clear_faults(&self, py: Python<'_>) -> PyResult<()> {
+        self.call(py, |client| Ok(client.clear_faults()?))
+    }
+
+    /// Connects again after a lost link, and gives the device the table of the plate in use. It is disarmed then.
+    ///
+    /// An open connection is stopped, disarmed and closed first. Raises ``LinkLost`` where no device answers.
+    fn reconnect(&self, py: Python<'_>) -> PyResult<()> {
+        let (port, loaded) = (self.port.clone(), lock(&self.state).loaded.clone());
+        self.call(py, move |client| {
+            client.observe(&port)?;
+            if let Some(loaded) = loaded {
+                client.use_table(loaded.on_device)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Plays tones, to which those that sound glide.
+    ///
+    /// One place, and a dictionary of a place and a ``level`` for each further one of ``tones``. ``glide_s``: 5 ms to 10 s.
+    /// ``at``: ``None`` for now, a sample index, or ``"trigger"`` for the rise of the trigger input; ``at_samples`` of the
+    /// result is then ``None`` until :meth:`wait` has seen it begin. An index is rounded up to a block of 128 samples. The device
+    /// has room for one change ahead: this call waits until an earlier one for an index has begun, and until its own index is
+    /// less than a minute ahead.
+    ///
+    /// Where a newer drive or a stop of another thread takes its place before the device has accepted it, ``superseded`` of the
+    /// result is true, and ``at_samples`` is ``None``.
+    #[pyo3(signature = (*, felt_edge_m=None, turning_point_m=None, frequency_hz=None, level=0.8, tones=None, glide_s=0.02, at=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
+    fn drive(
+        &self,
+        py: Python<'_>,
+        felt_edge_m: Option<f64>,
+        turning_point_m: Option<f64>,
+        frequency_hz: Option<f64>,
+        level: f64,
+        tones: Option<Bound<'_, PyAny>>,
+        glide_s: f64,
+        at: Option<At>,
+    ) -> PyResult<Answer<Drive>> {
+        let first = asked_tone(felt_edge_m, turning_point_m, frequency_hz, level)?;
+        let further = tones.map_or(Ok(Vec::new()), |tones| items("tones", &tones, MAX_TONES))?;
+        let further = further.iter().map(|tone| further_tone(tone, level));
+        let tones = first.map(Ok).into_iter().chain(further).collect::<PyResult<Vec<_>>>()?;
+        self.drive_tones(py, tones, glide_s, At::begin(at)?)
+    }
+
+    /// Plays drives, each from its sample index on, and returns their results when the last one is accepted.
+    ///
+    /// ``drives`` is a sequence of dictionaries: ``at``, and the other keywords of :meth:`drive`; one without tones ends what
+    /// sounds. Each is sent when the one before has begun, some milliseconds later: those that follow each other more closely are
+    /// refused as late, and the device is stopped. A stop or a drive of another thread ends the sequence; the drives that it has
+    /// kept from being sent are ``superseded``.
+    #[pyo3(signature = (drives, *, timeout=None))]
+    fn sequence(
+        &self,
+        py: Python<'_>,
+        drives: &Bound<'_, PyAny>,
+        timeout: Option<f64>,
+    ) -> PyResult<Vec<Answer<Drive>>> {
+        let steps = items("drives", drives, Step::MOST)?;
+        let steps = steps.iter().map(Step::read).collect::<PyResult<Vec<_>>>()?;
+        self.play_steps(py, steps, Limits::new(timeout, None)?)
+    }
+
+    /// Plays a texture of the plate in use: the result of ``plate.texture()``.
+    #[pyo3(signature = (texture, *, glide_s=0.02, at=None))]
+    fn play(
+        &self,
+        py: Python<'_>,
+        texture: ResultArgument<'_>,
+        glide_s: f64,
+        at: Option<At>,
+    ) -> PyResult<Answer<Drive>> {
+        self.play_texture(py, &texture.0, glide_s, At::begin(at)?)
+    }
+
+    /// Waits until the device is at a sample index, until a drive has begun, or for ``seconds`` by the device's clock; returns
+    /// the index at which the wait has ended.
+    ///
+    /// Of a drive that waits for the trigger it is the index at which it began, which its ``at_samples`` then has, too. A stop or
+    /// a disarm of another thread ends the wait at once. Raises what stops the device meanwhile, and ``TimeoutError`` after
+    /// ``timeout`` seconds by this computer's clock.
+    #[pyo3(signature = (at_samples=None, *, seconds=None, timeout=None))]
+    fn wait(
+        &self,
+        py: Python<'_>,
+        at_samples: Option<Awaited<'_>>,
+        seconds: Option<f64>,
+        timeout: Option<f64>,
+    ) -> PyResult<u64> {
+        self.wait_for(py, at_samples, seconds, Limits::new(timeout, None)?)
+    }
+
+    /// As :meth:`wait`; ends when `is_cancelled` returns true.
+    #[pyo3(signature = (at_samples, seconds, timeout, is_cancelled))]
+    fn _wait(
+        &self,
+        py: Python<'_>,
+        at_samples: Option<Awaited<'_>>,
+        seconds: Option<f64>,
+        timeout: Option<f64>,
+        is_cancelled: Py<PyAny>,
+    ) -> PyResult<u64> {
+        self.wait_for(py, at_samples, seconds, Limits::new(timeout, Some(is_cancelled))?)
+    }
+
+    /// As :meth:`wait`, awaited in ``asyncio``: other tasks run meanwhile, and the task can be cancelled.
+    #[pyo3(signature = (at_samples=None, *, seconds=None, timeout=None))]
+    fn wait_async<'py>(
+        slf: &Bound<'py, Self>,
+        at_samples: Option<Awaited<'py>>,
+        seconds: Option<f64>,
+        timeout: Option<f64>,
+    ) -> PyResult<Coroutine<'py>> {
+        let at_samples = match at_samples {
+            None => slf.py().None().into_bound(slf.py()),
+            Some(Awaited::Index(index)) => index.into_pyobject(slf.py())?.into_any(),
+            Some(Awaited::Drive(drive)) => drive,
+        };
+        let wait = slf.py().import("slipline._waiting")?.getattr("wait_async")?;
+        Ok(Coroutine(wait.call1((slf, at_samples, seconds, timeout))?))
+    }
+
+    /// Iterates over the device's status, the fields of :meth:`status`, every ``period_s`` (0.01 to 60 s) until the block is
+    /// left. Each step is a call, which renews ``unattended_s``.
+    #[pyo3(signature = (period_s=0.1))]
+    fn watch<'py>(slf: &Bound<'py, Self>, period_s: f64) -> PyResult<StatusIterator<'py>> {
+        OutOfRange::check("period_s", period_s, PERIODS).map_err(|it| Failure::out_of_range(&it))?;
+        let watch = slf.py().import("slipline._waiting")?.getattr("watch")?;
+        Ok(StatusIterator(watch.call1((slf, period_s))?))
+    }
+
+    /// Ramps to silence, from any thread; returns the sample index at which the ramp begins. The device stays armed.
+    ///
+    /// Without ``at`` the ramp begins now and takes 30 ms. ``at``, a sample index, is rounded up to a block of 128 samples; the
+    /// tones fade from there on for ``glide_s``, 5 ms to 10 s. If it has passed, the ramp begins now: the returned index says so.
+    /// It is one change ahead, as a drive for an index, and the next drive waits until it has begun.
+    #[pyo3(signature = (*, at=None, glide_s=0.02))]
+    fn stop(&self, py: Python<'_>, at: Option<SampleIndex>, glide_s: f64) -> PyResult<u64> {
+        match at {
+            None => self.call(py, |client| Ok(client.stop()?)),
+            Some(SampleIndex(at)) => self.stop_at(py, at, glide_s),
+        }
+    }
+
+    /// Ramps to silence within 2 ms, mutes the amplifier and latches a fault, from any thread; returns the sample index at which
+    /// the ramp begins. Then :meth:`clear_faults`, and :meth:`arm`.
+    fn emergency_stop(&self, py: Python<'_>) -> PyResult<u64> {
+        self.call(py, |client| Ok(client.emergency_stop()?))
+    }
+
+    /// Holds the tones that sound at the level that the sensor measures now, whatever a finger absorbs, until the next drive.
+    ///
+    /// Leave the plate untouched until it returns. ``max_rise_db``: the largest rise of a tone, 0 to 20 dB. Raises
+    /// ``TimeoutError`` after ``timeout`` seconds.
+    #[pyo3(signature = (max_rise_db=12.0, *, timeout=None))]
+    fn hold(&self, py: Python<'_>, max_rise_db: f64, timeout: Option<f64>) -> PyResult<()> {
+        OutOfRange::check("max_rise_db", max_rise_db, MAX_RISE).map_err(|it| Failure::out_of_range(&it))?;
+        let limits = Limits::new(timeout, None)?;
+        let (plate, began) = (self.loaded()?.plate, lock(&self.state).began);
+        self.call(py, move |client| {
+            let mut wait = limits.begin(client);
+            if client.hold(&mut Holding::default(), &plate, max_rise_db, began, || wait.goes_on())? {
+                return Ok(());
+            }
+            wait.check()?;
+            Err(Failure::refused("nothing is held: another thread stopped the device"))
+        })
+    }
+
+    /// Measures the response of the sensor at ``place_m`` to the device's tones; arms the device, and disarms it then, also where
+    /// it fails or another thread stops it.
+    ///
+    /// ``kind``: what the sensor measures; ``input``: ``"sensor"``, or ``"current"`` of the drive, which has no place. ``points``
+    /// frequencies lie from ``low_hz`` to ``high_hz``; ``level`` is 0 to 1; ``sweep`` plays a gliding tone. By the drive circuit,
+    /// the amplifier's volts and the shunt's amperes at full scale and the coil's resistance or the piezo's capacitance, quiet tones
+    /// check that the drive is on.
+    #[pyo3(signature = (place_m=None, kind="displacement", input="sensor", *, points=None, low_hz=None, high_hz=None, level=None, sweep=false, amplifier_v=None, coil_ohm=None, piezo_f=None, shunt_a=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
+    fn measure(
+        &self,
+        py: Python<'_>,
+        place_m: Option<f64>,
+        kind: &str,
+        input: &str,
+        points: Option<usize>,
+        low_hz: Option<f64>,
+        high_hz: Option<f64>,
+        level: Option<f64>,
+        sweep: bool,
+        amplifier_v: Option<f64>,
+        coil_ohm: Option<f64>,
+        piezo_f: Option<f64>,
+        shunt_a: Option<f64>,
+    ) -> PyResult<Measurement> {
+        self.check_block("measure()")?;
+        let band = Band { points, low_hz, high_hz, level, sweep };
+        let circuit = Circuit { amplifier_v, coil_ohm, piezo_f, shunt_a };
+        self.measure_plate(py, Wish::new(place_m, kind, input, band, circuit)?)
+    }
+
+    /// Compares the device's codes with those that they should be, in four windows; arms the device, and disarms it then.
+    ///
+    /// Plays up to 16 tones. The result has the fields ``equal`` and ``windows``.
+    #[pyo3(signature = (*, tones=16, window_s=0.25))]
+    fn verify(&self, py: Python<'_>, tones: u8, window_s: f64) -> PyResult<Answer<Verification>> {
+        let of_tones = Range::new(1.0, MAX_TONES as f64, "");
+        OutOfRange::check("tones", tones.into(), of_tones).map_err(|it| Failure::out_of_range(&it))?;
+        self.check_block("verify()")?;
+        let (plate, consent) = (self.loaded()?.plate, lock(&self.state).consent);
+        let verified = self.call(py, move |client| {
+            let windows = verify_windows_s(f64::from(client.identity()?.sample_rate_hz));
+            OutOfRange::check("window_s", window_s, windows).map_err(|it| Failure::out_of_range(&it))?;
+            may_be_armed(client, consent)?;
+            client.disarm()?;
+            Ok(fields(&client.verify(&plate, tones, window_s)?))
+        })?;
+        Answer::of(py, verified)
+    }
+
+    /// What the device reports of itself: the fields of ``slipline info --json``.
+    fn status(&self, py: Python<'_>) -> PyResult<Answer<Status>> {
+        let port = self.port.clone();
+        let info = self.call(py, move |client| {
+            client.refresh()?;
+            Ok(fields(&DeviceInfo::of(&port, &client.snapshot())))
+        })?;
+        Answer::of(py, info)
+    }
+
+    /// Samples of the device's DAC per second.
+    #[getter]
+    fn sample_rate_hz(&self, py: Python<'_>) -> PyResult<u32> {
+        self.call(py, |client| Ok(client.identity()?.sample_rate_hz))
+    }
+
+    /// Opens the block without ``with``, as for a notebook: :meth:`close` leaves it.
+    fn open(slf: Bound<'_, Self>) -> PyResult<Bound<'_, Self>> {
+        Self::__enter__(slf)
+    }
+
+    /// Stops and disarms the device, and closes the connection, as the end of the block does. Nothing happens if it is closed.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        self._close(py)
+    }
+
+    /// Whether the block has been left, and the connection with it.
+    #[getter]
+    fn closed(&self) -> bool {
+        lock(&self.state).block == Block::Closed
+    }
+
+    fn __enter__(slf: Bound<'_, Self>) -> PyResult<Bound<'_, Self>> {
+        {
+            let mut state = lock(&slf.get().state);
+            match state.block {
+                Block::Before => state.block = Block::Inside,
+                Block::Inside => return Err(Failure::refused("the device is in a block already").into()),
+                Block::Closed => return Err(closed().into()),
+            }
+        }
+        slf.py().import("slipline._alive")?.call_method1("begin", (&slf,))?;
+        Ok(slf)
+    }
+
+    fn __exit__(
+        &self,
+        py: Python<'_>,
+        _kind: Option<Bound<'_, PyType>>,
+        _error: Option<Bound<'_, PyAny>>,
+        _trace: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        self._close(py)
+    }
+
+    /// Stops and disarms the device, and closes the connection; then raises what a signal has raised meanwhile.
+    fn _close(&self, py: Python<'_>) -> PyResult<()> {
+        let before = std::mem::replace(&mut lock(&self.state).block, Block::Closed);
+        if before != Block::Closed && self.process == std::process::id() {
+            py.detach(|| self.client.disconnect());
+        }
+        take_signal().map_or(Ok(()), Err)
+    }
+
+    /// The lines of the link's log that are new since the last call, each with its level of ``logging``.
+    fn _log(&self) -> Vec<(u8, String)> {
+        let log = Arc::clone(&self.client.snapshot().record.log);
+        let mut latest = lock(&self.latest_log);
+        let seen = latest.as_ref().and_then(|latest| log.iter().rposition(|entry| entry == latest));
+        let new = log.iter().skip(seen.map_or(0, |seen| seen + 1));
+        let lines = new.map(|entry| (level_of(entry.severity), entry.text.clone())).collect();
+        if let Some(entry) = log.back() {
+            *latest = Some(entry.clone());
+        }
+        lines
+    }
+
+    /// Gives a sign of life, and ends what nobody attends to any more. Returns whether a further sign is due.
+    fn _sign(&self) -> bool {
+        if self.closed() || self.process != std::process::id() {
+            return false;
+        }
+        if self.is_armed() && self.attention.ends() {
+            self.client.stop_and_disarm();
+        }
+        self.client.sign_of_life();
+        true
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Device({:?}, closed={})",
+            self.port.to_string(),
+            if self.closed() { "True" } else { "False" }
+        )
+    }
+}

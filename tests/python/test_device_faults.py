@@ -1,0 +1,130 @@
+"""From each state in which a device refuses to be driven there is a way out by calls of the package."""
+
+from __future__ import annotations
+
+import signal
+import time
+
+import pytest
+import slipline
+from client import Client  # isort: skip  by the path that `line` adds
+from line import Line, Program, drives
+
+
+@pytest.fixture(scope="module")
+def plate() -> slipline.Plate:
+    return slipline.Plate("membrane")
+
+
+def test_an_emergency_stop_latches_a_fault_that_names_itself_and_the_call_that_clears_it(plate: slipline.Plate) -> None:
+    with slipline.connect() as device:
+        device.use(plate)
+        device.arm()
+        drive = device.drive(turning_point_m=0.16)
+        assert device.emergency_stop() >= drive.at_samples
+        for call in (device.arm, lambda: device.wait(seconds=0.01), lambda: device.drive(turning_point_m=0.16)):
+            with pytest.raises(slipline.Fault) as caught:
+                call()
+            assert caught.value.faults == ["EmergencyStop"]
+            assert "emergency stop" in str(caught.value) and "clear_faults()" in str(caught.value)
+            assert "clear_faults(), and arm()" in caught.value.remedy
+            assert isinstance(caught.value, slipline.Refused)
+        device.clear_faults()
+        assert device.status().state == "Idle"
+        device.arm()
+        assert device.drive(turning_point_m=0.16).at_samples > drive.at_samples
+
+
+#: The line that the page names after a dead-man trip.
+AGAIN = """
+import sys
+import slipline
+
+plate = slipline.Plate("membrane")
+with slipline.connect(sys.argv[1]) as device:
+    try:
+        device.clear_faults()
+        device.use(plate)
+        device.arm()
+        drive = device.drive(turning_point_m=0.16)
+        print("drives", device.status().state)
+    except slipline.Fault as fault:
+        print("refused", *fault.faults)
+"""
+
+
+def test_after_a_dead_man_trip_one_line_makes_the_next_block_work() -> None:
+    with Line() as line:
+        with drives(line, "input()") as program:
+            assert program.line() == "drives"
+            program.signal(signal.SIGSTOP)
+            time.sleep(2.0)
+            program.signal(signal.SIGKILL)
+            program.end()
+        assert line.status() == ("Fault", ["HostLost"])
+        with Program(AGAIN.replace("device.clear_faults()", "pass"), line.port) as program:
+            assert program.line() == "refused HostLost"
+            assert program.end() == (0, "")
+        with Program(AGAIN, line.port) as program:
+            assert program.line() == "drives Driving"
+            assert program.end() == (0, "")
+
+
+def test_the_program_that_was_held_up_itself_goes_on_with_the_same_line() -> None:
+    then = """
+    input()
+    try:
+        device.drive(turning_point_m=0.16)
+    except slipline.Error as error:
+        print(type(error).__name__)
+    device.clear_faults()
+    device.arm()
+    device.drive(turning_point_m=0.16)
+    print(device.status().state)
+    """
+    with Line() as line, drives(line, then) as program:
+        assert program.line() == "drives"
+        program.signal(signal.SIGSTOP)
+        time.sleep(2.0)
+        program.signal(signal.SIGCONT)
+        program.write("")
+        assert program.line() in ("Fault", "Unattended")
+        assert program.line() == "Driving"
+        assert program.end() == (0, "")
+
+
+def test_a_lost_link_is_connected_again_and_drives_the_plate_in_use(plate: slipline.Plate) -> None:
+    with Line() as line, slipline.connect(line.port) as device:
+        device.use(plate)
+        device.arm()
+        device.drive(turning_point_m=0.16)
+        # Another program takes the device over.
+        with Client.at_socket(line.server.path):
+            pass
+        with pytest.raises(slipline.LinkLost):
+            for _ in range(100):
+                device.status()
+                time.sleep(0.05)
+        device.reconnect()
+        assert device.status().state in ("Idle", "Stopping", "Fault")
+        device.clear_faults()
+        device.arm()
+        device.drive(turning_point_m=0.16)
+        assert device.status().state == "Driving"
+
+
+def test_a_block_is_opened_and_closed_without_with(plate: slipline.Plate) -> None:
+    device = slipline.connect().open()
+    device.use(plate)
+    device.arm()
+    assert device.sample_rate_hz == device.status().sample_rate_hz == 400_000
+    device.close()
+    device.close()
+    assert device.closed
+    with pytest.raises(slipline.Refused, match="closed"):
+        device.status()
+
+
+def test_the_ports_of_this_computer_are_those_of_the_command_line() -> None:
+    simulated = slipline.ports()[0]
+    assert (simulated.port, simulated.is_ours, simulated.usb_serial) == ("sim", True, None)

@@ -1,0 +1,95 @@
+"""Every call of the package with the types that a checker must accept. It is checked, not run: `.ci/run python_types`.
+
+A line that ends in ``# refused`` has a planted error, which mypy and basedpyright must find.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import slipline
+from numpy.typing import NDArray
+
+
+def plates() -> None:
+    names: list[str] = slipline.presets()
+    plate = slipline.Plate(names[0])
+    plate = slipline.Plate.from_toml(plate.to_toml())
+    changed: slipline.Plate = plate.replace(loss_factor=0.02, taper={"rate_per_m": 4.0})
+    span: tuple[float, float] = changed.span_m
+    field = plate.respond([126.0, 130.0], points=101, finger=(0.1, "light"))
+    rows: NDArray[np.complex128] = field.amplitude
+    places: NDArray[np.float64] = field.position_m
+    plate.respond(np.linspace(80.0, 200.0, 9), finger=[0.1, 1.0, 1e-3, 0.01])
+    plate.respond(turning_point_m=0.16)
+    plate.respond(felt_edge_m=0.21, level=0.5)
+    check = plate.check(felt_edge_m=0.21, level=0.5)
+    colours: list[str] = [light.colour for light in check.lights]
+    worst: str = check.worst
+    table = plate.table(knots=33)
+    gains: NDArray[np.float64] = table.gain
+    simulated = plate.simulate(turning_point_m=[0.16, 0.2], level=0.2, duration_s=0.05, actual_plate="secret:1", sheet=False)
+    edges: list[float | None] = [tone.measured_felt_edge_m for tone in simulated.tones]
+    merits = [merit.contrast_db for merit in plate.merit(turning_point_m=0.16)]
+    texture = plate.texture(profile=(places, np.ones(places.size)), tones=4)
+    designed = slipline.design("latex", 5e-4, (80.0, 220.0), 0.4, tension_n_per_m=68.4, rim_m=0.03)
+    other: slipline.Plate = designed.plate
+    print(span, rows, colours, worst, gains, edges, merits, texture.tones, other, plate.to_dict(), check.to_dict())
+    check.to_pandas()
+    field.to_xarray()
+    field.plot()
+
+
+def measurements(plate: slipline.Plate) -> None:
+    frequency_hz = np.linspace(90.0, 200.0, 16)
+    measured = slipline.Measurement.from_arrays(frequency_hz, np.ones(16, dtype=complex), place_m=0.03, snr_db=40.0)
+    measured.write("measured.csv")
+    again = slipline.Measurement.read("measured.csv", plate=plate, place_m=0.03, kind="velocity", snr_db=30.0)
+    found = plate.calibrate([measured, again], half_width_m=0.05, end_half_width_m=0.02, length_m=0.4)
+    calibrated: slipline.Plate | None = found.plate
+    print(calibrated, found.accepted, [parameter.value for parameter in found.parameters])
+
+
+async def devices(plate: slipline.Plate) -> None:
+    ports: list[str] = [port.port for port in slipline.ports()]
+    with slipline.connect(ports[0], actual_plate=plate, sensor_m=0.03) as device:
+        device.use(plate)
+        device.arm()
+        drive = device.drive(felt_edge_m=0.21, tones=[{"turning_point_m": 0.16, "level": 0.2}])
+        if drive.at_samples is not None and not drive.superseded:
+            end: int = device.stop(at=drive.at_samples + 40_000, glide_s=0.01)
+            device.wait(end, timeout=1.0)
+        device.wait(drive)
+        device.wait(seconds=0.1)
+        index: int = await device.wait_async(seconds=0.1)
+        device.sequence([{"at": index + 100_000, "turning_point_m": 0.16}, {"at": index + 200_000}])
+        for status in device.watch(0.1):
+            print(status.state, status.now_samples)
+            break
+        device.play(plate.texture(solid_m=0.24), at="trigger")
+        device.hold(6.0, timeout=1.0)
+        measured: slipline.Measurement = device.measure(0.03, points=16, low_hz=90.0, high_hz=180.0, sweep=False)
+        print(measured, device.verify(tones=3).equal, device.sample_rate_hz)
+        try:
+            device.emergency_stop()
+        except slipline.Fault as fault:
+            print(fault.faults, fault.remedy)
+        device.clear_faults()
+        device.reconnect()
+        device.disarm()
+    slipline.connect().open().close()
+
+
+def typos(plate: slipline.Plate, device: slipline.Device) -> None:
+    field = plate.respond(126.0)
+    field.amplitud  # refused
+    plate.simulate(second=2)  # refused
+    plate.simulate(turning_point_m=0.16, seconds=2.0)  # refused
+    plate.check().light  # refused
+    plate.check().lights[0].color  # refused
+    plate.calibrate((), half_width=0.05)  # refused
+    slipline.design("latex", 5e-4, (80.0, 220.0), 0.4, tension=68.4)  # refused
+    device.drive(turning_point_m="0.16")  # refused
+    device.drive(felt_edge=0.21)  # refused
+    device.stop(0.1)  # refused
+    device.drive(turning_point_m=0.16).at_sample  # refused
+    slipline.conect()  # refused
