@@ -71,6 +71,6 @@ pub mod rig;
 pub use instrument::{
     Asked, AskedContent, AskedTable, Attention, Awaited, Background, CalibrateIntent, CalibrateScene,
     DesignState, Desk, DeviceIntent, DragRecorder, Drive, HoldScene, Instrument, Jobs, Link, LiveScene,
-    MeasureDraft, MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, Progress, SAFE_MODE, Screen, Shown,
-    TextureScene, Waiting, fault_sentence,
+    MeasureDraft, MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, Progress, SAFE_MODE, Screen,
+    Shown, TextureScene, Waiting, fault_sentence,
 };

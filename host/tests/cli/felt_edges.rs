@@ -155,7 +155,10 @@ fn the_feeling_comes_from_the_file_and_is_named() {
     assert_eq!((&dull["feeling"]["from"], &dull["feeling"]["threshold"]), (&name.into(), &4.0.into()));
     assert!(said(&at).contains("Felt edges are those of a usual finger (illustrative)."));
     let named = said(&[&at[..], &["--feeling", name]].concat());
-    assert!(named.contains("finger.toml\" (illustrative).") && named.contains(" mm depending on the person;"), "{named}");
+    assert!(
+        named.contains("finger.toml\" (illustrative).") && named.contains(" mm depending on the person;"),
+        "{named}"
+    );
     std::fs::write(&path, "[feeling]\nthreshold = 0.0\n").unwrap();
     refused(&[&at[..], &["--feeling", name]].concat(), 2, &["finger.toml: feeling.threshold"]);
     let setup = ["drive", "--port", "sim", "--setup", "x.toml", "--feeling", name];

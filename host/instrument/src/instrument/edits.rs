@@ -202,7 +202,9 @@ impl Instrument {
             && (now_m / before_m - 1.0).abs() > SAME
         {
             let (now, before) = (show_length(now_m), show_length(before_m));
-            said.push(format!("At level 1 the calibrated plate moves by {now}, not by {before} as its file said."));
+            said.push(format!(
+                "At level 1 the calibrated plate moves by {now}, not by {before} as its file said."
+            ));
         }
         let count = held.edges_m.len();
         for (slot, place_m) in held.edges_m {

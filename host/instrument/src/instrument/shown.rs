@@ -261,7 +261,8 @@ pub struct LiveScene<'a> {
 pub struct Progress {
     /// The share that is done, 0..=1.
     pub share: f32,
-    /// The time that it still takes, in seconds; `None` while the simulated plate is prepared for it.
+    /// The time that it still takes, in seconds; `None` while the simulated plate is prepared for it, and
+    /// for a comparison of codes.
     pub left_s: Option<f64>,
 }
 

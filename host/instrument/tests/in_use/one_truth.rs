@@ -177,7 +177,12 @@ fn a_hidden_plates_fitted_level_is_the_same_everywhere_and_is_called_fitted() {
         let shown = session.instrument.shown();
         let rings = shown.measured.as_ref().unwrap();
         assert_eq!(rings.name(), "hidden test plate, level fitted");
-        assert!(shown.envelope_csv().unwrap().contains(&format!("all multiplied by {:.4}", rings.fitted.unwrap())));
+        assert!(
+            shown
+                .envelope_csv()
+                .unwrap()
+                .contains(&format!("all multiplied by {:.4}", rings.fitted.unwrap()))
+        );
         rings.fitted.unwrap()
     };
     assert!((fitted(&session) - 1.0).abs() > 0.01, "a plate with other numbers has another level");

@@ -2,8 +2,8 @@
 
 use crate::pluggable_port::SteppedLink;
 use crate::session::Session;
-use slipline_instrument::{Link, MeasureIntent};
 use slipline_instrument::measure::{MeasureError, Run, Verified, Verifying};
+use slipline_instrument::{Link, MeasureIntent};
 use slipline_link::Request;
 use std::rc::Rc;
 use std::time::Duration;

@@ -223,7 +223,10 @@ mod tests {
         use FeltEdge::{At, Nowhere, PlateEnd};
         let words = |near, far| by_person_words(EdgesByPerson { near, far });
         assert_eq!(words(At(0.2371), At(0.2568)).as_deref(), Some("237 to 257 mm depending on the person"));
-        assert_eq!(words(At(0.2371), PlateEnd).as_deref(), Some("237 mm to the plate's end depending on the person"));
+        assert_eq!(
+            words(At(0.2371), PlateEnd).as_deref(),
+            Some("237 mm to the plate's end depending on the person")
+        );
         assert_eq!(words(Nowhere, At(0.2568)).as_deref(), Some("nowhere to 257 mm depending on the person"));
         assert_eq!((words(Nowhere, Nowhere), words(PlateEnd, PlateEnd)), (None, None));
     }

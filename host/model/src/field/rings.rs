@@ -36,7 +36,11 @@ impl<'a> Rings<'a> {
     /// The same with points of their own, for a figure that is drawn elsewhere.
     #[must_use]
     pub fn to_owned_rings(&self) -> Rings<'static> {
-        Rings { field: Cow::Owned(self.field.as_ref().clone()), is_current: self.is_current, fitted: self.fitted }
+        Rings {
+            field: Cow::Owned(self.field.as_ref().clone()),
+            is_current: self.is_current,
+            fitted: self.fitted,
+        }
     }
 
     /// What they are of, for a legend.

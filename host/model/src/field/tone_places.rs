@@ -155,7 +155,8 @@ mod tests {
         };
         assert!(far_m > near_m + 3e-3, "{near_m} {far_m}");
         assert!(
-            louder.felt_words().starts_with("felt edge at ") && louder.felt_words().ends_with(" depending on the person")
+            louder.felt_words().starts_with("felt edge at ")
+                && louder.felt_words().ends_with(" depending on the person")
         );
     }
 }

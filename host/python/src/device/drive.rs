@@ -2,7 +2,7 @@
 
 use super::step::{Prepared, Step};
 use super::wait::{Limits, sample_index};
-use super::{ANY, Device, Loaded, lock};
+use super::{ANY, Device, lock};
 use crate::arguments::in_range;
 use crate::error::Failure;
 use crate::options::Options;

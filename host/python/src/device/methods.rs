@@ -129,7 +129,7 @@ impl Device {
         let further = tones.map_or(Ok(Vec::new()), |tones| items("tones", &tones, MAX_TONES))?;
         let further = further.iter().map(|tone| further_tone(tone, level));
         let tones = first.map(Ok).into_iter().chain(further).collect::<PyResult<Vec<_>>>()?;
-        self.drive_tones(py, tones, glide_s, At::begin(at)?)
+        self.drive_tones(py, tones, glide_s, At::begin(at))
     }
 
     /// Plays drives, each from its sample index on, and returns their results when the last one is accepted.
@@ -159,7 +159,7 @@ impl Device {
         glide_s: f64,
         at: Option<At>,
     ) -> PyResult<Answer<Drive>> {
-        self.play_texture(py, &texture.0, glide_s, At::begin(at)?)
+        self.play_texture(py, &texture.0, glide_s, At::begin(at))
     }
 
     /// Waits until the device is at a sample index, until a drive has begun, or for ``seconds`` by the device's clock; returns

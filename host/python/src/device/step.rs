@@ -126,7 +126,7 @@ impl Prepared {
     /// Refuses to play it where the device holds another table by now.
     pub(super) fn check_table(&self, snapshot: &Snapshot) -> Result<(), Failure> {
         let active = snapshot.table.report.active.as_ref();
-        if snapshot.is_connected() && active != Some(self.loaded.on_device.header()) {
+        if snapshot.is_connected() && active != Some(&self.loaded.on_device.header()) {
             let name = self.loaded.plate.name();
             let text = format!(
                 "the device no longer has the table of {name:?}: another thread called use(), or the device was restarted; \

@@ -197,7 +197,9 @@ fn by_escape(closed: &str, snapshot: &Snapshot) -> Option<String> {
         (Some(State::Driving | State::Waiting), true) => " and stopped the drive. Press Drive to resume.",
         (Some(State::Driving | State::Waiting), false) => ", stopped the drive and disarmed the device.",
         (Some(State::Armed | State::Stopping), false) => " and disarmed the device.",
-        (Some(State::Idle | State::Armed | State::Stopping | State::Fault | State::SafeMode), _) => return None,
+        (Some(State::Idle | State::Armed | State::Stopping | State::Fault | State::SafeMode), _) => {
+            return None;
+        }
     };
     Some(format!("Esc {closed}{more}"))
 }

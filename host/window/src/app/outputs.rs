@@ -2,8 +2,8 @@
 
 use super::App;
 use crate::files::{FileJob, Save};
-use crate::settings::Part;
 use crate::intent::{Confirm, Dialog};
+use crate::settings::Part;
 use crate::sound::SoundChoice;
 use crate::view::Tab;
 use eframe::egui;

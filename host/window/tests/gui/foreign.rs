@@ -81,7 +81,11 @@ fn the_form_of_a_foreign_file_is_whole_in_a_usual_low_window() {
         let (rect, name) = (node.rect(), node.accesskit_node().label());
         // What is in the panel ends where its tabs do.
         if rect.left() > 970.0 && rect.top() > panel.bottom() && rect.bottom() < 500.0 {
-            assert!(rect.right() <= panel.right() + 1.0, "{name:?}: {rect}, the panel ends at {}", panel.right());
+            assert!(
+                rect.right() <= panel.right() + 1.0,
+                "{name:?}: {rect}, the panel ends at {}",
+                panel.right()
+            );
             seen += 1;
         }
     }

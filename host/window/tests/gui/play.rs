@@ -18,9 +18,7 @@ fn a_key_or_a_press_switches_between_two_setups_whose_names_are_shown() {
     let mut app = TestApp::driving();
     open_play(&mut app);
     let has = |app: &TestApp, name: &str| app.has(name);
-    assert!(
-        has(&app, "Setup A: membrane, 1 tone, turning at 180.0 mm") && has(&app, "Setup B: copy of A")
-    );
+    assert!(has(&app, "Setup A: membrane, 1 tone, turning at 180.0 mm") && has(&app, "Setup B: copy of A"));
     press(&mut app, Key::B);
     arrow_right(&mut app);
     assert!(has(&app, "Setup A: membrane, 1 tone, turning at 180.0 mm"));

@@ -189,7 +189,9 @@ impl Boards {
             let end = match (queue.is_open, name) {
                 (false, "TimeoutError") => (ErrorKind::Other, text.to_owned()),
                 (false, _) => (ErrorKind::Other, NOT_OPENED.to_owned()),
-                (true, "NetworkError") => (ErrorKind::BrokenPipe, "it was unplugged, or restarted".to_owned()),
+                (true, "NetworkError") => {
+                    (ErrorKind::BrokenPipe, "it was unplugged, or restarted".to_owned())
+                }
                 (true, _) => (ErrorKind::Other, format!("the browser ended its line ({name})")),
             };
             queue.end.get_or_insert(end);

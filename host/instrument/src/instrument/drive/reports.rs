@@ -21,7 +21,8 @@ pub(crate) enum News {
 /// Why the connected device stopped by itself, and what helps; `None` without a fault.
 #[must_use]
 pub fn fault_sentence(snapshot: &Snapshot) -> Option<String> {
-    let status = snapshot.drive.status.filter(|status| status.state == State::Fault && snapshot.is_connected())?;
+    let status =
+        snapshot.drive.status.filter(|status| status.state == State::Fault && snapshot.is_connected())?;
     let faults = snapshot.faults_text(status.faults);
     Some(format!("Stopped: {faults}. Clear the fault once its cause is gone."))
 }

@@ -68,7 +68,8 @@ fn a_simulated_device_is_armed_by_drive_and_a_stop_ends_what_the_user_wants() {
 fn a_fault_is_said_before_all_else_until_it_is_cleared() {
     let setup = setup();
     let mut faulty = idle(false);
-    let status = Status { state: State::Fault, faults: Faults::NONE.with(Fault::DriveTime), ..Status::default() };
+    let status =
+        Status { state: State::Fault, faults: Faults::NONE.with(Fault::DriveTime), ..Status::default() };
     faulty.drive.status = Some(status);
     let mut out = Outbox::default();
     let changed = Changes { state: true, faults: true, ..Changes::default() };

@@ -85,7 +85,9 @@ impl Measurements {
 
     /// Compares the chosen measurement with the plate on the screen while the page is open.
     pub(super) fn compare(&mut self, plate: &Arc<Plate>, attention: &Attention) {
-        let Some(chosen) = self.lists.shelf().chosen().filter(|_| attention.is_measurements_open) else { return };
+        let Some(chosen) = self.lists.shelf().chosen().filter(|_| attention.is_measurements_open) else {
+            return;
+        };
         let (plate, measurement) = (Arc::clone(plate), Arc::clone(&chosen.measurement));
         self.comparisons.ask(CompareJob { plate, measurement });
     }

@@ -62,14 +62,10 @@ pub(super) struct Live {
 }
 
 impl Live {
-    pub(super) fn scene(
-        &self,
-        (now, rate_hz): (u64, f64),
-        rig: &Rig,
-        is_drive_known: bool,
-    ) -> LiveScene<'_> {
+    pub(super) fn scene(&self, (now, rate_hz): (u64, f64), rig: &Rig, is_drive_known: bool) -> LiveScene<'_> {
         let run = self.run.as_ref().map(|run| run.progress(now));
-        let progress = run.map(|(share, left)| Progress { share: share as f32, left_s: Some(left / rate_hz) });
+        let progress =
+            run.map(|(share, left)| Progress { share: share as f32, left_s: Some(left / rate_hz) });
         LiveScene {
             draft: &self.draft,
             progress: progress.or(rig.is_awaited().then_some(Progress { share: 0.0, left_s: None })),

@@ -1,6 +1,7 @@
 //! The comparison of the device's codes with the mirror's, as `slipline verify` makes it. What ends a measurement ends it, too.
 
 use super::Reach;
+use crate::instrument::shown::Progress;
 use crate::measure::{MeasureError, Run, Verified, VerifiedWindow, Verifying};
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_link::{Severity, Ticket};
@@ -21,8 +22,9 @@ impl Verification {
     /// Whether it can begin: the device may drive, and holds the table of this plate. Otherwise reports the obstacle.
     pub(super) fn may_begin(reach: &mut Reach<'_>) -> bool {
         let obstacle = reach.drive.obstacle().map(|obstacle| obstacle.to_string());
-        let missing = (!reach.drive.is_table_there())
-            .then(|| "The device does not hold this plate's table yet: wait for it, or upload it.".to_owned());
+        let missing = (!reach.drive.is_table_there()).then(|| {
+            "The device does not hold this plate's table yet: wait for it, or upload it.".to_owned()
+        });
         let Some(obstacle) = obstacle.or(missing) else { return true };
         reach.out.hinder(obstacle);
         false
@@ -77,9 +79,9 @@ impl Verification {
         self.0.is_some()
     }
 
-    /// The share that is done (0 to 1), when the device is at sample `now`.
-    pub(super) fn progress(&self, now: u64) -> Option<f32> {
-        self.0.as_ref().map(|(run, _)| run.progress(now) as f32)
+    /// How far it is, when the device is at sample `now`.
+    pub(super) fn progress(&self, now: u64) -> Option<Progress> {
+        self.0.as_ref().map(|(run, _)| Progress { share: run.progress(now) as f32, left_s: None })
     }
 
     /// Whether it handles this request's outcome.

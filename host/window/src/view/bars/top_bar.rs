@@ -40,7 +40,8 @@ fn sentence(trouble: &LinkError) -> String {
 pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str, Color32, String) {
     let snapshot = scene.snapshot;
     if let Some(progress) = scene.measure.live.progress {
-        let why = if scene.measure.live.is_checking { "Quiet tones first: is the drive on?" } else { MEASURING };
+        let why =
+            if scene.measure.live.is_checking { "Quiet tones first: is the drive on?" } else { MEASURING };
         return ("measuring", palette.accent, format!("Measuring: {progress}. {why}"));
     }
     match &snapshot.link.state {

@@ -274,7 +274,8 @@ fn confirmation(ui: &mut egui::Ui, confirm: Confirm, scene: &Scene<'_>, intents:
     ui.horizontal(|ui| {
         let is_cancelled = ui.button("Cancel").on_hover_text("Leave everything as it is").clicked();
         let confirm_button = ui.add(theme::primary(ui, verb, true));
-        let is_confirmed = confirm_button.on_hover_text("Carry out the action that is described above").clicked();
+        let is_confirmed =
+            confirm_button.on_hover_text("Carry out the action that is described above").clicked();
         if is_confirmed {
             intents.push(Intent::Confirmed(confirm));
         }

@@ -67,7 +67,9 @@ pub(crate) fn show(
             let name = format!("Measured: {percent}");
             bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &name));
         }
-        if has_cancel && ui.button("Cancel measuring").on_hover_text("Stop the tones; nothing is kept").clicked() {
+        if has_cancel
+            && ui.button("Cancel measuring").on_hover_text("Stop the tones; nothing is kept").clicked()
+        {
             ask(MeasureIntent::Cancel);
         }
     });
@@ -114,10 +116,7 @@ fn settings(
         let mut is_secret = live.is_secret;
         let switch = egui::Checkbox::new(&mut is_secret, "Hidden test plate (its numbers differ)");
         let switch = ui.add_enabled(answers != Some(1), switch);
-        if switch
-            .on_hover_text(SECRET_HELP)
-            .changed()
-        {
+        if switch.on_hover_text(SECRET_HELP).changed() {
             ask(MeasureIntent::Secret(is_secret));
         }
     }

@@ -82,8 +82,9 @@ fn accepted(ui: &mut egui::Ui, found: &CalibrationResult) {
     ui.add_space(4.0);
     let chi2 = with_decimals(calibrated.chi2_per_n, 2);
     let note = calibrated.misfit_note();
-    let text =
-        format!("Reduced chi-square is {chi2}: about 1 where the model misses no more than the noise. {note}");
+    let text = format!(
+        "Reduced chi-square is {chi2}: about 1 where the model misses no more than the noise. {note}"
+    );
     wrapped(ui, weak(&text));
 }
 
