@@ -57,7 +57,7 @@ pub const SCENES: [Scene; 6] = [
     },
     Scene {
         name: "Rubber sheet",
-        description: "Latex in a narrow frame: a drum as low as a purr, clearly felt up to the line",
+        description: "Latex in a narrow frame: a low vibration up to the line",
         plate: "latex-membrane",
         tones: &[(0.2, 0.5)],
     },
