@@ -110,6 +110,7 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     let (before_mm, after_mm) = (off_mm(&nominal), off_mm(&used));
     assert!(after_mm < 1.0 && after_mm < 0.3 * before_mm, "{before_mm} {after_mm} mm");
     assert!(session.sent().contains(&"Comb".to_owned()));
+    assert!(session.is_driving(), "it goes on with the calibrated plate: {}", session.notice());
 
     session.instrument.start();
     session.pass(1000);

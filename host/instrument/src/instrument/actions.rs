@@ -35,6 +35,7 @@ impl Instrument {
             let text = "The plate is being measured: cancel that or press STOP first.";
             return self.out.hinder(text.to_owned());
         }
+        self.lab.take_owed_drive();
         self.drive.note(Severity::Info, "Drive.".to_owned());
         self.drive.start(self.desk.setup(), &self.attention, &mut self.out);
     }
@@ -81,6 +82,7 @@ impl Instrument {
         self.drive.note(Severity::Info, if is_emergency { "Emergency stop." } else { "Stop." }.to_owned());
         self.desk.end_replay();
         self.lab.cancel_measuring();
+        self.lab.take_owed_drive();
         self.lab.end_hold(HoldEnd::Stopped, &mut self.out);
         self.out.settle();
         self.drive.end(stop);
@@ -100,6 +102,10 @@ impl Instrument {
         let (lab, mut reach) = self.reach();
         if let Some(plate) = lab.perform_calibrate(intent, &mut reach) {
             self.use_calibrated(plate);
+            // What was driven before it was measured goes on; a real plate only when its user drives it.
+            if self.lab.take_owed_drive() && self.drive.snapshot().is_simulated() {
+                self.start();
+            }
             self.out.post("The calibrated plate is in use. Undo takes it back.".to_owned());
         }
     }

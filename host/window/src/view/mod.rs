@@ -72,7 +72,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
         view.brush = Brush::default();
     }
     egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
-        if view.is_measuring() {
+        // While the plate is measured, and before, the plate is looked at.
+        let is_measured = scene.measure.live.progress.is_none() && !scene.measure.shelf.entries().is_empty();
+        if view.is_measuring() && is_measured {
             let page = ui.max_rect() + theme::MARGIN;
             theme::fill_page_around(ui, page, egui::Rect::from_pos(page.center()));
             response::show(ui, scene, &mut view.response);

@@ -59,6 +59,8 @@ pub(super) struct Live {
     failed: Option<String>,
     /// Short captures of the input while the sensor is being placed.
     pub(super) looks: Looks,
+    /// Whether measuring has ended a drive that the user has neither begun again nor stopped since.
+    owes_drive: bool,
 }
 
 impl Live {
@@ -108,6 +110,11 @@ enum MeasuringRefused {
 }
 
 impl Lab {
+    /// Whether measuring has ended a drive that is to go on; the answer settles it.
+    pub(crate) const fn take_owed_drive(&mut self) -> bool {
+        std::mem::replace(&mut self.live.owes_drive, false)
+    }
+
     /// Starts a measurement, or reports the obstacle.
     pub(super) fn begin_measuring(&mut self, answers: Option<usize>, reach: &mut Reach<'_>) {
         if self.is_measuring() {
@@ -123,6 +130,7 @@ impl Lab {
                 self.end_hold(HoldEnd::Measured, reach.out);
                 reach.drive.make_ready();
                 let has_stopped_drive = reach.drive.is_wanted();
+                self.live.owes_drive |= has_stopped_drive;
                 reach.drive.give_up();
                 reach.desk.end_replay();
                 let place = show_place(self.live.draft.place_m);

@@ -18,6 +18,7 @@ pub(crate) mod polyline;
 pub(crate) mod press;
 mod read_out;
 mod relief;
+mod sensor;
 mod track;
 
 use crate::axis::Axis;
@@ -79,6 +80,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     for slot in order {
         line::show(ui, scene, &layout, slot, view, intents);
     }
+    sensor::show(ui, scene, view, &layout);
     finger::handle(ui, scene, &layout, view, intents);
     if let Some(hint) = hint {
         hint.show(ui, &layout);

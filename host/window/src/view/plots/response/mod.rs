@@ -1,4 +1,4 @@
-//! The measured responses in the place of the stage, while the page Measure is open: Bode (level, phase, what the plate's
+//! The measured responses in the place of the stage, while the page Measure is open and nothing is being measured: Bode (level, phase, what the plate's
 //! model leaves), Nyquist.
 //!
 //! ```text
@@ -56,18 +56,6 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, response: &mut Response
             is_reset
         })
     });
-    let shelf = scene.measure.shelf;
-    if shelf.entries().is_empty() {
-        let is_measured = scene.measure.live.progress.is_some();
-        return plots::empty(
-            ui,
-            if is_measured {
-                "The plate is being measured"
-            } else {
-                "No measurement is open: measure now, or drop a file here"
-            },
-        );
-    }
     let Some(curves) = Curves::of(scene, response.is_linear) else {
         return plots::empty(ui, "All measurements are hidden");
     };
