@@ -39,8 +39,8 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, view: &ViewState, layout: &
     painter.circle(at, RING, palette.panel, Stroke::new(1.5, palette.text));
     painter.circle_filled(at, 3.0, palette.text);
     let progress = scene.measure.live.progress;
-    if let Some(share) = progress {
-        painter.add(Shape::line(arc(at, RING + 3.0, share), Stroke::new(3.0, palette.accent)));
+    if let Some(progress) = progress {
+        painter.add(Shape::line(arc(at, RING + 3.0, progress.share), Stroke::new(3.0, palette.accent)));
     }
     let rect = Rect::from_center_size(at, vec2(2.0 * RING, 2.0 * RING));
     let seen = ui.interact(rect, ui.scope_id().with("sensor"), Sense::hover());
