@@ -69,6 +69,10 @@ class Server:
         self._process.stdin.write("\n")
         self._process.stdin.flush()
 
+    def kill(self) -> None:
+        """Ends the program at once, as the power of a device ends: nothing is sent any more."""
+        self._process.kill()
+
     def _wait_for_path(self, output: Path) -> str:
         until = time.monotonic() + _START_TIME_S
         while time.monotonic() < until:

@@ -124,7 +124,7 @@ def test_a_measurement_that_fails_disarms(device: slipline.Device) -> None:
     assert device.status().state == "Idle"
 
 
-def test_a_drive_is_refused_where_another_thread_has_changed_the_table(device: slipline.Device) -> None:
+def test_a_drive_plays_the_plate_that_another_thread_has_put_in_use(device: slipline.Device) -> None:
     other = slipline.Plate("al-bending")
     with ThreadPoolExecutor(1) as pool:
         pool.submit(device.use, other).result()

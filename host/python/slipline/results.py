@@ -551,9 +551,13 @@ class Texture(Result):
     felt_edge_by_person_m: NDArray[np.float64]
     """Felt edge of a dull and of a keen finger; None where none is felt; m."""
     flutter_db: float
-    """Swing of the RMS over 30 ms within a second; dB."""
+    """Swing of the RMS over 30 ms within a second, at the median place; dB."""
     flutter_hz: float
     """Frequency of this swing; Hz."""
+    flutter_largest_db: float
+    """Largest swing of the RMS over 30 ms in the area; dB."""
+    flutter_largest_m: float
+    """Place of that swing; m."""
     plate: str
     """Name of the plate."""
     position_m: NDArray[np.float64]
@@ -567,7 +571,7 @@ class Texture(Result):
     rms_m: NDArray[np.float64]
     """RMS amplitude at each place; m."""
     stripes_felt_db: float | None
-    """Depth of the stripes under a contact; None for others; dB."""
+    """Depth of the stripes under a contact, in the middle; None for others; dB."""
     stripes_m: float | None
     """Distance of the stripes in the middle; None for others; m."""
     tones: Results[TextureTone]

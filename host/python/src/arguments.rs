@@ -181,10 +181,13 @@ impl ArrayLike<'_> {
         match array.getattr("dtype")?.getattr("kind")?.extract::<String>()?.as_str() {
             "f" | "i" | "u" => Ok(array),
             // Fractions, decimal numbers and whole numbers beyond 64 bits.
-            "O" => match array.call_method1("astype", ("float64",)) {
-                Ok(floats) => Ok(floats.cast_into()?),
-                Err(error) => Err(self.no_numbers(name, &error)),
-            },
+            "O" => {
+                // numpy alone would take None for NaN, and read texts.
+                for item in array.getattr("flat")?.try_iter()? {
+                    self.float(name, item?)?;
+                }
+                Ok(array.call_method1("astype", ("float64",))?.cast_into()?)
+            }
             "c" => {
                 let text = format_args!("{name} of complex numbers");
                 Err(Failure::wrong_arguments(text, "real numbers").into())
