@@ -2,11 +2,14 @@
 The compiled part of the package `slipline`.
 """
 
-from _typeshed import Incomplete, SupportsGetItem
+from _typeshed import Incomplete
+from collections.abc import Awaitable, Iterator, Sequence
+from numpy.typing import ArrayLike
 from os import PathLike
+from slipline.results import Calibration, Check, Design, Drive, Field, Merit, PortInfo, Result, Results, Simulation, Status, Table, Texture, Verification
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["VERSION", "Device", "Measurement", "Plate", "Result", "_Study", "connect", "design", "presets"]
+__all__ = ["VERSION", "Device", "Measurement", "Plate", "_Study", "connect", "design", "ports", "presets"]
 
 VERSION: Final[str]
 
@@ -19,6 +22,9 @@ class Device:
     exception, Ctrl-C. Any call renews ``unattended_s``: after so long without one the device is stopped and disarmed, and the
     next call raises :class:`slipline.Unattended`. ``time.sleep`` and a debugger's prompt are no calls. Where no Python code
     can run at all, as in C code that keeps the interpreter's lock, the drive ends within a second.
+
+    Any thread may call it, also while another waits: each call has its own answer, a newer drive supersedes one that the device
+    has not accepted yet, and a stop or a disarm ends the waits and measurements of other threads.
     """
     def __enter__(self, /) -> Device: ...
     def __exit__(self, /, _kind: type | None, _error: Any | None, _trace: Any | None) -> None: ...
@@ -27,15 +33,33 @@ class Device:
         """
         Stops and disarms the device, and closes the connection; then raises what a signal has raised meanwhile.
         """
+    def _log(self, /) -> list[tuple[int, str]]:
+        """
+        The lines of the link's log that are new since the last call, each with its level of ``logging``.
+        """
     def _sign(self, /) -> bool:
         """
         Gives a sign of life, and ends what nobody attends to any more. Returns whether a further sign is due.
+        """
+    def _wait(self, /, at_samples: SupportsIndex | Result | None, seconds: SupportsFloat | SupportsIndex | None, timeout: SupportsFloat | SupportsIndex | None, is_cancelled: Any) -> int:
+        """
+        As :meth:`wait`; ends when `is_cancelled` returns true.
         """
     def arm(self, /, *, despite_brown_out_level: bool = False, despite_no_profile: bool = False) -> None:
         """
         Unmutes the amplifier and accepts drives; only inside the block.
 
         A board without a brown-out level, or without a profile of its actuator, is armed only where the user accepts that.
+        """
+    def clear_faults(self, /) -> None:
+        """
+        Clears the latched faults whose causes are gone. The device is disarmed then: call :meth:`arm`.
+
+        Raises ``Fault`` with those whose causes stand.
+        """
+    def close(self, /) -> None:
+        """
+        Stops and disarms the device, and closes the connection, as the end of the block does. Nothing happens if it is closed.
         """
     @property
     def closed(self, /) -> bool:
@@ -46,56 +70,108 @@ class Device:
         """
         Ramps to silence and mutes the amplifier; returns when it is silent.
         """
-    def drive(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 0.8, tones: SupportsGetItem[int, dict] = ..., glide_s: SupportsFloat | SupportsIndex = 0.02, at: SupportsIndex | str | None = None) -> Result:
+    def drive(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 0.8, tones: Any | None = None, glide_s: SupportsFloat | SupportsIndex = 0.02, at: SupportsIndex | str | None = None) -> Drive:
         """
         Plays tones, to which those that sound glide.
 
         One place, and a dictionary of a place and a ``level`` for each further one of ``tones``. ``glide_s``: 5 ms to 10 s.
         ``at``: ``None`` for now, a sample index, or ``"trigger"`` for the rise of the trigger input; ``at_samples`` of the
-        result is then ``None`` until :meth:`wait` has seen it begin.
+        result is then ``None`` until :meth:`wait` has seen it begin. An index is rounded up to a block of 128 samples. The device
+        has room for one change ahead: this call waits until an earlier one for an index has begun, and until its own index is
+        less than a minute ahead.
+
+        Where a newer drive or a stop of another thread takes its place before the device has accepted it, ``superseded`` of the
+        result is true, and ``at_samples`` is ``None``.
         """
-    def hold(self, /, max_rise_db: SupportsFloat | SupportsIndex = 12.0) -> None:
+    def emergency_stop(self, /) -> int:
+        """
+        Ramps to silence within 2 ms, mutes the amplifier and latches a fault, from any thread; returns the sample index at which
+        the ramp begins. Then :meth:`clear_faults`, and :meth:`arm`.
+        """
+    def hold(self, /, max_rise_db: SupportsFloat | SupportsIndex = 12.0, *, timeout: SupportsFloat | SupportsIndex | None = None) -> None:
         """
         Holds the tones that sound at the level that the sensor measures now, whatever a finger absorbs, until the next drive.
 
-        Leave the plate untouched until it returns. ``max_rise_db``: the largest rise of a tone, 0 to 20 dB.
+        Leave the plate untouched until it returns. ``max_rise_db``: the largest rise of a tone, 0 to 20 dB. Raises
+        ``TimeoutError`` after ``timeout`` seconds.
         """
-    def measure(self, /, place_m: SupportsFloat | SupportsIndex | None = None, kind: str = "displacement", input: str = "sensor", **as_cli) -> Measurement:
+    def measure(self, /, place_m: SupportsFloat | SupportsIndex | None = None, kind: str = "displacement", input: str = "sensor", *, points: SupportsIndex | None = None, low_hz: SupportsFloat | SupportsIndex | None = None, high_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex | None = None, sweep: bool = False, amplifier_v: SupportsFloat | SupportsIndex | None = None, coil_ohm: SupportsFloat | SupportsIndex | None = None, piezo_f: SupportsFloat | SupportsIndex | None = None, shunt_a: SupportsFloat | SupportsIndex | None = None) -> Measurement:
         """
-        Measures the response of the sensor at ``place_m`` to the device's tones; arms the device, and disarms it then.
+        Measures the response of the sensor at ``place_m`` to the device's tones; arms the device, and disarms it then, also where
+        it fails or another thread stops it.
 
-        ``kind``: what the sensor measures; ``input``: ``"sensor"``, or ``"current"`` of the drive, which has no place. Options:
-        those of ``slipline measure`` for the frequencies (``points``, ``sweep``, ``to`` and, because it is a word of Python,
-        ``from_``), ``level`` and the drive circuit, by which quiet tones check that the drive is on.
+        ``kind``: what the sensor measures; ``input``: ``"sensor"``, or ``"current"`` of the drive, which has no place. ``points``
+        frequencies lie from ``low_hz`` to ``high_hz``; ``level`` is 0 to 1; ``sweep`` plays a gliding tone. By the drive circuit,
+        the amplifier's volts and the shunt's amperes at full scale and the coil's resistance or the piezo's capacitance, quiet tones
+        check that the drive is on.
         """
-    def play(self, /, texture: Result, *, glide_s: SupportsFloat | SupportsIndex = 0.02, at: SupportsIndex | str | None = None) -> Result:
+    def open(self, /) -> Device:
+        """
+        Opens the block without ``with``, as for a notebook: :meth:`close` leaves it.
+        """
+    def play(self, /, texture: Result, *, glide_s: SupportsFloat | SupportsIndex = 0.02, at: SupportsIndex | str | None = None) -> Drive:
         """
         Plays a texture of the plate in use: the result of ``plate.texture()``.
         """
-    def status(self, /) -> Result:
+    def reconnect(self, /) -> None:
+        """
+        Connects again after a lost link, and gives the device the table of the plate in use. It is disarmed then.
+
+        An open connection is stopped, disarmed and closed first. Raises ``LinkLost`` where no device answers.
+        """
+    @property
+    def sample_rate_hz(self, /) -> int:
+        """
+        Samples of the device's DAC per second.
+        """
+    def sequence(self, /, drives: Any, *, timeout: SupportsFloat | SupportsIndex | None = None) -> list[Drive]:
+        """
+        Plays drives, each from its sample index on, and returns their results when the last one is accepted.
+
+        ``drives`` is a sequence of dictionaries: ``at``, and the other keywords of :meth:`drive`; one without tones ends what
+        sounds. Each is sent when the one before has begun, some milliseconds later: those that follow each other more closely are
+        refused as late, and the device is stopped. A stop or a drive of another thread ends the sequence; the drives that it has
+        kept from being sent are ``superseded``.
+        """
+    def status(self, /) -> Status:
         """
         What the device reports of itself: the fields of ``slipline info --json``.
         """
-    def stop(self, /) -> int:
+    def stop(self, /, *, at: SupportsIndex | None = None, glide_s: SupportsFloat | SupportsIndex = 0.02) -> int:
         """
         Ramps to silence, from any thread; returns the sample index at which the ramp begins. The device stays armed.
+
+        Without ``at`` the ramp begins now and takes 30 ms. ``at``, a sample index, is rounded up to a block of 128 samples; the
+        tones fade from there on for ``glide_s``, 5 ms to 10 s. If it has passed, the ramp begins now: the returned index says so.
+        It is one change ahead, as a drive for an index, and the next drive waits until it has begun.
         """
     def use(self, /, plate: Plate) -> None:
         """
         Makes the device hold the table of this plate, unless it holds it already.
         """
-    def verify(self, /, *, tones: SupportsIndex = 16, window_s: SupportsFloat | SupportsIndex = 0.25) -> Result:
+    def verify(self, /, *, tones: SupportsIndex = 16, window_s: SupportsFloat | SupportsIndex = 0.25) -> Verification:
         """
         Compares the device's codes with those that they should be, in four windows; arms the device, and disarms it then.
 
         Plays up to 16 tones. The result has the fields ``equal`` and ``windows``.
         """
-    def wait(self, /, at_samples: SupportsIndex | Result) -> int:
+    def wait(self, /, at_samples: SupportsIndex | Result | None = None, *, seconds: SupportsFloat | SupportsIndex | None = None, timeout: SupportsFloat | SupportsIndex | None = None) -> int:
         """
-        Waits until the device is at a sample index, or until a drive has begun; returns the index.
+        Waits until the device is at a sample index, until a drive has begun, or for ``seconds`` by the device's clock; returns
+        the index at which the wait has ended.
 
-        Of a drive that waits for the trigger it is the index at which it began, which its ``at_samples`` then has, too. Raises
-        what stops the device meanwhile.
+        Of a drive that waits for the trigger it is the index at which it began, which its ``at_samples`` then has, too. A stop or
+        a disarm of another thread ends the wait at once. Raises what stops the device meanwhile, and ``TimeoutError`` after
+        ``timeout`` seconds by this computer's clock.
+        """
+    def wait_async(self, /, at_samples: SupportsIndex | Result | None = None, *, seconds: SupportsFloat | SupportsIndex | None = None, timeout: SupportsFloat | SupportsIndex | None = None) -> Awaitable[int]:
+        """
+        As :meth:`wait`, awaited in ``asyncio``: other tasks run meanwhile, and the task can be cancelled.
+        """
+    def watch(self, /, period_s: SupportsFloat | SupportsIndex = 0.1) -> Iterator[Status]:
+        """
+        Iterates over the device's status, the fields of :meth:`status`, every ``period_s`` (0.01 to 60 s) until the block is
+        left. Each step is a call, which renews ``unattended_s``.
         """
 
 @final
@@ -113,6 +189,18 @@ class Measurement:
     def frequency_hz(self, /) -> Incomplete:
         """
         Frequencies, Hz, rising: an array of shape (points,), as are the others.
+        """
+    @classmethod
+    def from_arrays(cls, /, frequency_hz: ArrayLike, response: ArrayLike, *, place_m: SupportsFloat | SupportsIndex, sensor: str = "displacement", noise: ArrayLike | None = None, snr_db: SupportsFloat | SupportsIndex | None = None, unit_per_response: SupportsFloat | SupportsIndex | None = None, sample_rate_hz: SupportsFloat | SupportsIndex | None = None, place_tolerance_m: SupportsFloat | SupportsIndex | None = None, headroom_db: ArrayLike | None = None) -> Measurement:
+        """
+        A measurement of arrays: complex ``response`` at rising ``frequency_hz``, 8 to 10 000 of them.
+
+        ``response`` is the sensor's signal over the DAC's amplitude, see the class; of an instrument that uses ``e^(+j omega t)`` it
+        is the complex conjugate. ``place_m`` is the sensor's place, ``sensor`` what it measures. The noise is the standard deviation
+        of the real and of the imaginary part, a number or a series, ``noise``, or ``snr_db`` below the RMS of the responses.
+        ``sample_rate_hz`` is that of a DAC with a zero-order hold.
+
+        Raises ``OutOfRange``.
         """
     @classmethod
     def from_csv(cls, /, text: str) -> Measurement:
@@ -142,13 +230,13 @@ class Measurement:
         Standard deviation of that place from its mark, metres.
         """
     @classmethod
-    def read(cls, /, path: str | PathLike[str], *, plate: Plate | None = None, sensor: SupportsFloat | SupportsIndex | None = None, kind: str | None = None, snr: SupportsFloat | SupportsIndex = ..., played: str | PathLike[str] | None = None, channel: SupportsIndex = 1, columns: str | None = None) -> Measurement:
+    def read(cls, /, path: str | PathLike[str], *, plate: Plate | None = None, place_m: SupportsFloat | SupportsIndex | None = None, kind: str | None = None, snr_db: SupportsFloat | SupportsIndex = ..., played: str | PathLike[str] | None = None, channel: SupportsIndex = 1, columns: str | None = None) -> Measurement:
         """
         Reads a measurement's file.
 
         One of this package is complete. One of another program (REW, .frd, a table, a universal file 58) and a recording of a
-        sweep (WAV) need the ``plate`` and the place ``sensor``, metres from the driven end; ``kind`` is displacement,
-        velocity, acceleration or strain, ``snr`` the signal-to-noise ratio in dB of a file that states no noise. A recording
+        sweep (WAV) need the ``plate`` and the sensor's ``place_m`` from the driven end; ``kind`` is displacement,
+        velocity, acceleration or strain, ``snr_db`` the signal-to-noise ratio in dB of a file that states no noise. A recording
         needs ``played``, the description that ``slipline sweep`` wrote, and has the sensor in ``channel``, from 1. ``columns``
         says what the columns of a table are where their names are not clear: ``"frequency=1,level=3:dB,phase=4:rad"``. What
         was read of it is in ``source``.
@@ -180,6 +268,11 @@ class Measurement:
         """
         The text of its file.
         """
+    def to_xarray(self, /) -> Any:
+        """
+        Its arrays as an ``xarray.Dataset`` over ``frequency_hz``, with ``units`` and ``long_name``; the rest are its attributes.
+        Needs xarray: ``pip install slipline[xarray]``.
+        """
     @property
     def unit_per_response(self, /) -> float | None:
         """
@@ -209,22 +302,22 @@ class Plate:
         """
         The frequencies of these two turning points, Hz.
         """
-    def calibrate(self, /, measurements: SupportsGetItem[int, Measurement], **as_cli) -> Result:
+    def calibrate(self, /, measurements: Any, *, current: str | None = None, touch: Any | None = None, level: SupportsFloat | SupportsIndex | None = None, touch_tolerance_m: SupportsFloat | SupportsIndex | None = None, touched_drive: str | None = None, feeling: str | PathLike[str] | None = None, half_width_m: SupportsFloat | SupportsIndex | None = None, end_half_width_m: SupportsFloat | SupportsIndex | None = None, length_m: SupportsFloat | SupportsIndex | None = None, calipers_tolerance_m: SupportsFloat | SupportsIndex | None = None) -> Calibration:
         """
         The plate with its numbers fitted, as ``slipline calibrate``, by measurements of one sensor at two places or at one, by
         the drive's current, or by felt edges.
 
-        ``measurements`` is a sequence of one or two ``Measurement``, or ``()`` with ``touch``. Options: ``current`` (``"coil"`` or
-        ``"piezo"``: the measurement is that of the current); ``touch``, a sequence of ``(asked_m, felt_m)``, with ``level``,
-        ``touch_tolerance``, ``touched_drive`` (``"as-told"`` or ``"unknown"``) and ``feeling`` (a file); and the calipers'
-        ``half_width``, ``end_half_width``, ``length`` and ``calipers_tolerance``.
+        ``measurements`` is a sequence of one or two ``Measurement``, or ``()`` with ``touch``. ``current`` is ``"coil"`` or
+        ``"piezo"``: the measurement is that of the current. ``touch`` is a sequence of ``(asked_m, felt_m)``, with ``level``,
+        ``touch_tolerance_m``, ``touched_drive`` (``"as-told"`` or ``"unknown"``) and ``feeling`` (a file). The calipers gave
+        ``half_width_m``, ``end_half_width_m`` and ``length_m``, within ``calipers_tolerance_m``.
 
         ``.plate`` is the calibrated plate, or ``None`` where ``.accepted`` is false; then ``.reason`` says why.
 
         Raises ``OutOfRange``, ``Refused`` and ``BadFile``. After Ctrl-C the fit runs on in the background, and its
         result is dropped.
         """
-    def check(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 1.0, off_centre: bool = False) -> Result:
+    def check(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 1.0, off_centre: bool = False) -> Check:
         """
         The lights of the plate, as ``slipline check``: at one place, or the worst over its span.
 
@@ -232,6 +325,12 @@ class Plate:
         ``.worst`` is the worst colour; ``.lights`` is a list with ``name``, ``value``, ``unit``, ``colour`` and ``sentence``.
 
         Raises ``OutOfRange``; ``Refused`` if no tone of this level has this felt edge, or the plate has no table.
+        """
+    def frequency_hz(self, /, turning_point_m: ArrayLike) -> Any:
+        """
+        The frequency whose wave turns at ``turning_point_m``, Hz: a number, or an array for a series.
+
+        Raises ``OutOfRange`` beyond the plate's span.
         """
     @classmethod
     def from_toml(cls, /, text: str) -> Plate:
@@ -245,7 +344,7 @@ class Plate:
         """
         From the driven to the narrow end, metres.
         """
-    def merit(self, /, *, turning_point_m: SupportsFloat | SupportsIndex | None = None) -> list[Result]:
+    def merit(self, /, *, turning_point_m: SupportsFloat | SupportsIndex | None = None) -> Results[Merit]:
         """
         Figures of merit, as ``slipline merit``: a list, of one boundary or of up to five over the span.
 
@@ -256,9 +355,17 @@ class Plate:
         """
         Name.
         """
-    def respond(self, /, frequency_hz: SupportsGetItem[int, SupportsFloat | SupportsIndex] | SupportsFloat | SupportsIndex, *, points: SupportsIndex = 2001, finger: tuple[SupportsFloat | SupportsIndex, str] | tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None = None, paper_mode: bool = False, two_dimensions: bool = False) -> Result:
+    def replace(self, /, **numbers) -> Plate:
         """
-        The field at one frequency or at several, as ``slipline respond``.
+        The plate with other numbers: ``plate.replace(loss_factor=0.02, taper={"rate_per_m": 4.1})``. Paths of the file are taken,
+        too: ``plate.replace(**{"taper.rate_per_m": 4.1})``.
+
+        Raises ``OutOfRange``; ``TypeError`` for a number that its file does not state.
+        """
+    def respond(self, /, frequency_hz: ArrayLike | None = None, *, turning_point_m: ArrayLike | None = None, felt_edge_m: ArrayLike | None = None, level: SupportsFloat | SupportsIndex = 0.8, points: SupportsIndex = 2001, finger: Sequence[float | str] | None = None, paper_mode: bool = False, two_dimensions: bool = False) -> Field:
+        """
+        The field at one frequency or at several, as ``slipline respond``: those of ``frequency_hz``, or of the tones with these
+        turning points or felt edges; a felt edge is that of a tone of ``level``.
 
         ``points`` places, 8 to 200 001, lie from the driven to the narrow end. ``finger`` is ``(place_m, "light")``,
         ``(place_m, "firm")``, or ``(place_m, resistance_n_s_per_m, mass_kg, contact_m)``. ``paper_mode`` is the paper's equation;
@@ -266,16 +373,16 @@ class Plate:
         (n,), and ``amplitude`` one of shape (n, points).
 
         Raises ``OutOfRange``: ``frequency_hz`` goes from the cut-off at the wide end to four times the highest that turns on
-        the plate.
+        the plate, and a call takes up to 100 000 of them; ``MemoryError`` where the result has no room.
         """
-    def simulate(self, /, *, felt_edge_m: SupportsGetItem[int, SupportsFloat | SupportsIndex] | SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsGetItem[int, SupportsFloat | SupportsIndex] | SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsGetItem[int, SupportsFloat | SupportsIndex] | SupportsFloat | SupportsIndex | None = None, level: SupportsGetItem[int, SupportsFloat | SupportsIndex] | SupportsFloat | SupportsIndex | None = None, **as_cli) -> Result:
+    def simulate(self, /, *, felt_edge_m: ArrayLike | None = None, turning_point_m: ArrayLike | None = None, frequency_hz: ArrayLike | None = None, level: ArrayLike | None = None, actual_plate: Plate | str | PathLike[str] | None = None, duration_s: SupportsFloat | SupportsIndex | None = None, no_table: bool = False, sheet: bool = False, finger: Sequence[float | str] | None = None, feeling: str | PathLike[str] | None = None, setup: str | PathLike[str] | None = None) -> Simulation:
         """
         A drive through the whole signal chain and on the plate in time, as ``slipline simulate``.
 
         The tones are named by one of ``felt_edge_m``, ``turning_point_m`` and ``frequency_hz``: a number, or a sequence of up to
-        16. ``level`` is 0 to 1, one for all or one for each; 0.8 by default. Options: ``actual_plate`` (a ``Plate``, a name or
-        ``"secret:SEED"``), ``seconds`` (0.01 to 600), ``no_table``, ``sheet``, ``finger`` (as for ``respond``), ``feeling`` (a
-        file), and ``setup`` (a setup file, in the place of tones).
+        16. ``level`` is 0 to 1, one for all or one for each; 0.8 by default. ``actual_plate`` is a ``Plate``, a name or
+        ``"secret:SEED"``; ``duration_s`` is 0.01 to 600; ``no_table`` drives without the table's gains, ``sheet`` solves the sheet in
+        two dimensions; ``finger`` is as for ``respond``, ``feeling`` a file, and ``setup`` a setup file, in the place of tones.
 
         The fields are those of the first tone and of all; ``.tones`` has those of each.
 
@@ -287,14 +394,14 @@ class Plate:
         """
         The nearest and the farthest turning point, metres from the driven end.
         """
-    def table(self, /, *, sample_rate_hz: SupportsFloat | SupportsIndex = 400e3, knots: SupportsIndex = 1025) -> Result:
+    def table(self, /, *, sample_rate_hz: SupportsFloat | SupportsIndex = 400e3, knots: SupportsIndex = 1025) -> Table:
         """
         The drive table, as ``slipline table``: its knots as the arrays ``position_m``, ``frequency_hz``, ``gain`` and
         ``peak_present``, its checksum ``crc`` and the rest.
 
         Raises ``OutOfRange`` for ``sample_rate_hz`` and for ``knots`` (2 to 1025); ``Refused`` if the plate has no table.
         """
-    def texture(self, /, *, solid_m: SupportsFloat | SupportsIndex | None = None, profile: tuple[SupportsGetItem[int, SupportsFloat | SupportsIndex], SupportsGetItem[int, SupportsFloat | SupportsIndex]] | None = None, image: str | PathLike[str] | None = None, stripes_m: SupportsFloat | SupportsIndex | None = None, beat: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None = None, tones: SupportsIndex = 16) -> Result:
+    def texture(self, /, *, solid_m: SupportsFloat | SupportsIndex | None = None, profile: Any | None = None, image: str | PathLike[str] | None = None, stripes_m: SupportsFloat | SupportsIndex | None = None, beat: Any | None = None, tones: SupportsIndex = 16) -> Texture:
         """
         A texture, as ``slipline texture``; one of these is wanted:
 
@@ -304,41 +411,19 @@ class Plate:
 
         Raises ``OutOfRange``, ``Refused`` if the plate cannot have it, ``BadFile`` for the image.
         """
+    def to_dict(self, /) -> Any:
+        """
+        The fields of its plate file as plain data.
+        """
     def to_toml(self, /) -> str:
         """
         The text of its plate file.
         """
+    def turning_point_m(self, /, frequency_hz: ArrayLike) -> Any:
+        """
+        The turning point of the wave of ``frequency_hz``, metres: a number, or an array for a series.
 
-@final
-class Result:
-    """
-    The result of a call. Its attributes are the fields of the same command's ``--json``.
-
-    Numbers are SI floats, series of numbers are numpy arrays, complex numbers are complex, and lists of objects are lists of
-    results. What is unknown or does not apply is ``None``, and NaN in an array.
-    """
-    def __dir__(self, /) -> list: ...
-    def __getattr__(self, name: str, /) -> Any:
-        """
-        A field by its name.
-        """
-    def __new__(cls, /, fields: dict) -> Result:
-        """
-        A result of these fields.
-        """
-    def __reduce__(self, /) -> tuple:
-        """
-        As for ``pickle``.
-        """
-    def __repr__(self, /) -> str: ...
-    def to_dict(self, /) -> dict:
-        """
-        The fields as a dictionary, the results in it as dictionaries, too; arrays stay arrays.
-        """
-    def to_xarray(self, /) -> Any:
-        """
-        The arrays as an ``xarray.Dataset`` over ``position_m`` and, of several frequencies, ``frequency_hz``; the numbers
-        and texts are its attributes. Needs xarray: ``pip install slipline[xarray]``.
+        Raises ``OutOfRange`` beyond the plate's band.
         """
 
 @final
@@ -393,19 +478,25 @@ def connect(port: str = "sim", *, actual_plate: Plate | None = None, sensor_m: S
     device is stopped and disarmed.
     """
 
-def design(material: str, thickness_m: SupportsFloat | SupportsIndex, band_hz: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex], length_m: SupportsFloat | SupportsIndex, **as_cli) -> Result:
+def design(material: str, thickness_m: SupportsFloat | SupportsIndex, band_hz: Any, length_m: SupportsFloat | SupportsIndex, *, edge: str | None = None, wave_speed_m_per_s: SupportsFloat | SupportsIndex | None = None, tension_n_per_m: SupportsFloat | SupportsIndex | None = None, shear: bool = False, air: str | None = None, thin: bool = False, start_margin_m: SupportsFloat | SupportsIndex | None = None, end_margin_m: SupportsFloat | SupportsIndex | None = None, loss_factor: SupportsFloat | SupportsIndex | None = None, full_scale_m: SupportsFloat | SupportsIndex | None = None, rim_m: SupportsFloat | SupportsIndex | None = None, name: str | None = None) -> Design:
     """
     A plate for a material and a band, as ``slipline design``.
 
     ``material`` is one of aluminium, steel, stainless-steel, brass, glass, fr4, acrylic, polycarbonate, polyester-film,
     silicone-rubber and latex; ``thickness_m`` is 1e-6 to 0.1, ``band_hz`` the lowest and the highest frequency of the tones,
-    ``length_m`` 0.005 to 10. Options: one of ``edge`` (``"supported"`` or ``"clamped"``), ``wave_speed`` (m/s), ``tension`` (N/m)
-    and ``shear``; ``air`` (``"bare-frame"``, ``"baffle"`` or ``"vacuum"``), ``thin``, ``start_margin`` and ``end_margin`` (metres),
-    ``loss``, ``full_scale`` and ``rim`` (metres), ``name``.
+    ``length_m`` 0.005 to 10. The wave is named by one of ``edge`` (``"supported"`` or ``"clamped"``), ``wave_speed_m_per_s``,
+    ``tension_n_per_m`` and ``shear``; ``air`` is ``"bare-frame"``, ``"baffle"`` or ``"vacuum"``, and ``thin`` leaves out the
+    plate's thickness in its bending.
 
     ``.plate`` is the plate; ``.check`` has its lights.
 
     Raises ``OutOfRange`` and ``Refused``.
+    """
+
+def ports() -> list[PortInfo]:
+    """
+    The ports of this computer at which a device can be, as ``slipline ports``: results with ``port``, ``label``, ``is_ours`` and
+    ``usb_serial``.
     """
 
 def presets() -> list[str]:
