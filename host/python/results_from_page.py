@@ -34,12 +34,15 @@ CLASSES = {
 #: Fields of a command that a result lacks.
 LEFT_OUT = {
     "": ("schema", "files[]"),
-    "Drive": ("driven_s", "ended_by", "course", "feeling", "hold", "glide", "changes", "held", "lines", "actual"),
+    "Drive": ("clipped_samples", "driven_s", "ended_by", "feeling", "hold", "port", "stopped_at_samples"),
+    "Texture": ("read",),
+    "Verification": ("port",),
     "Calibration": ("read",),
     "Status": ("defaults",),
 }
 #: Fields that a result has instead or besides: type and meaning.
 OWN = {
+    "Status": {"faults": ("list[str]", "Latched faults, by their names")},
     "Design": {"plate": ("Plate", "The plate")},
     "Calibration": {"plate": ("Plate | None", "The calibrated plate; None where it is not accepted")},
     "Drive": {
@@ -47,6 +50,51 @@ OWN = {
         "superseded": ("bool", "Whether a newer drive or a stop took its place before the device had accepted it"),
     },
 }
+#: Fields that are None where they do not apply, although the page does not say so.
+OR_NONE = {
+    "Calibration": ("by", "caution", "chi2_per_n", "turning_point_per_place"),
+    "Check": ("turning_point_m",),
+    "FieldTwoDimensions": ("level_db", "one_mode_reflection", "reflection"),
+    "Simulation": (
+        "felt",
+        "felt_edge_by_person_m",
+        "measured_felt_edge_by_person_m",
+        "measured_felt_edge_m",
+        "measured_felt_edge_of_all_by_person_m",
+        "measured_turning_point_m",
+        "peak_amplitude_m",
+        "sensitivity_at_m",
+    ),
+    "SimulationTone": (
+        "felt",
+        "felt_edge_by_person_m",
+        "measured_felt_edge_by_person_m",
+        "measured_felt_edge_m",
+        "measured_turning_point_m",
+        "peak_amplitude_m",
+    ),
+    "SimulationTwoDimensions": ("level_db",),
+    "Texture": (
+        "contrast_db",
+        "felt_edge_by_person_m",
+        "flutter_db",
+        "flutter_hz",
+        "flutter_largest_db",
+        "flutter_largest_m",
+        "position_m",
+        "rms_error",
+        "rms_m",
+        "wanted_rms_m",
+        "worst_ripple_db",
+        "worst_rms_error",
+    ),
+    "TextureChord": ("contrast_db",),
+    "TextureReach": ("contrast_db", "largest_square_error"),
+}
+#: Objects that every such result has; others are None where they do not apply.
+ALWAYS = {"Drive": ("table",), "Simulation": ("feeling",), "Status": ("counters",)}
+#: Fields that the command leaves out where they do not apply; of a result they are None then.
+ABSENT = {"Field": ("two_dimensions",), "Simulation": ("two_dimensions",), "SimulationTone": ("two_dimensions",), "CheckLimit": ("at_least", "at_most")}
 #: The results whose numbers are arrays where several are asked for.
 SERIES = ("Field",)
 
@@ -80,7 +128,7 @@ def insert(node: Node, path: str, unit: str, meaning: str) -> None:
     if rest:
         insert(child, rest, unit, meaning)
     else:
-        child.unit, child.meaning = unit.strip("`"), meaning.replace("`", "``")
+        child.unit, child.meaning = unit.replace("`", "``"), meaning.replace("`", "``")
 
 
 def scalar(node: Node) -> str:
@@ -118,7 +166,11 @@ class Writer:
             if iskeyword(key):
                 lines.append(f"    # {key}: {kind}, by getattr(): {child.meaning}.")
                 continue
-            lines.append(f"    {key}: {kind}")
+            if key in ALWAYS.get(name, ()):
+                kind = kind.removesuffix(" | None")
+            if key in OR_NONE.get(name, ()) and not kind.endswith("None"):
+                kind += " | None"
+            lines.append(f"    {key}: {kind}" + (" = None" if key in ABSENT.get(name, ()) else ""))
             in_unit = "" if scalar(child) in ("str", "bool") or unit in ("text", "count", "1", "") else f"; {unit}"
             if meaning:
                 text = meaning.replace("null", "None") + in_unit

@@ -44,6 +44,7 @@ class Line:
     def __enter__(self) -> Line:
         self._ended = threading.Event()
         self._commands: list[tuple[float, str, bytes]] = []
+        self._ends: list[socket.socket] = []
         self._stack = contextlib.ExitStack()
         self.server = self._stack.enter_context(Server())
         folder = self._stack.enter_context(tempfile.TemporaryDirectory(prefix="slipline-tap-"))
@@ -66,6 +67,7 @@ class Line:
                 return
             device = socket.socket(socket.AF_UNIX)
             device.connect(self.server.path)
+            self._ends += [program, device]
             threading.Thread(target=self._carry, args=(program, device, FrameReader()), daemon=True).start()
             threading.Thread(target=self._carry, args=(device, program, None), daemon=True).start()
 
@@ -76,6 +78,13 @@ class Line:
         for end in (source, sink):
             with contextlib.suppress(OSError):
                 end.shutdown(socket.SHUT_RDWR)
+
+    def cut(self) -> None:
+        """Ends the connections of all programs, as a pulled cable does; the next one connects as usual."""
+        for end in self._ends:
+            with contextlib.suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)
+        self._ends.clear()
 
     def _to_device(self, data: bytes, reader: FrameReader) -> bytes:
         """Notes the commands that these bytes complete; returns what the device gets."""

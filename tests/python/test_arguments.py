@@ -39,7 +39,8 @@ def test_a_column_of_pandas_is_a_series(plate):
     for kind in ("float64", "Int64"):
         column = pandas.Series([126, 130], index=[7, 9], dtype=kind)
         assert plate.respond(column, points=64).amplitude.tobytes() == wanted.tobytes()
-    with pytest.raises(TypeError, match="frequency_hz = .*: must be a number, or a series of numbers"):
+    # What is missing in the column is NaN.
+    with pytest.raises(slipline.OutOfRange, match="frequency_hz = NaN Hz: must be"):
         plate.respond(pandas.Series([126, None], dtype="Int64"))
 
 
@@ -54,7 +55,8 @@ def test_a_column_of_pandas_is_a_series(plate):
     ("126", TypeError, "frequency_hz = '126': must be a number, or a series of numbers"),
     ([126.0, None], TypeError, "frequency_hz = .*: must be a number, or a series of numbers"),
     ([126.0, "130"], TypeError, "frequency_hz = .*: must be a number, or a series of numbers"),
-    (None, TypeError, "frequency_hz = None: must be a number, or a series of numbers"),
+    (np.array(None), TypeError, "frequency_hz = array.None.*: must be a number, or a series of numbers"),
+    (np.array([126.0, "130"], dtype=object), TypeError, "frequency_hz = .*: must be a number, or a series of numbers"),
     ({126.0}, TypeError, "frequency_hz = .*: must be a number, or a series of numbers"),
     (True, TypeError, "frequency_hz = True: must be a number, or a series of numbers"),
 ])
@@ -101,6 +103,8 @@ def test_a_place_in_millimetres_is_asked_about(plate):
 
 
 LENGTHS = """
+from itertools import repeat
+
 import numpy as np
 import slipline
 
@@ -111,18 +115,21 @@ class Long:
     def __iter__(self): return iter(())
 
 plate = slipline.Plate("membrane")
+measurement = slipline.Measurement.from_arrays(np.linspace(90.0, 200.0, 16), np.ones(16), place_m=0.03)
 calls = [
     lambda: plate.respond(np.full(4_000_000, 126.0)),
     lambda: plate.respond(np.full(100_000, 126.0), points=200_001),
     lambda: plate.respond(Long()),
     lambda: plate.simulate(turning_point_m=np.full(4_000_000, 0.16)),
     lambda: plate.texture(profile=(np.linspace(0, 0.3, 4_000_000), np.ones(4_000_000))),
-    lambda: plate.calibrate(Long(), touch=Long()),
-    lambda: plate.calibrate((), touch=[(0.2, 0.2)] * 100_000),
+    lambda: plate.calibrate(repeat(measurement)),
+    lambda: plate.calibrate((), touch=repeat((0.2, 0.2))),
     lambda: slipline.Plate.from_toml("#" * 100_000_000),
     lambda: slipline.Measurement.from_csv("#" * 300_000_000),
     lambda: slipline._slipline._Study("#" * 100_000_000),
-    lambda: slipline.connect().drive(tones=Long()),
+    lambda: slipline.Measurement.from_arrays(np.ones(4_000_000), np.ones(4_000_000), place_m=0.03),
+    lambda: slipline.connect().drive(tones=repeat({"turning_point_m": 0.16})),
+    lambda: slipline.connect().sequence(repeat({"at": 0})),
 ]
 for number, call in enumerate(calls):
     try:

@@ -45,9 +45,7 @@ __all__ = [
     "Table",
     "Texture",
     "TextureChord",
-    "TextureColumn",
     "TextureReach",
-    "TextureRead",
     "TextureTone",
     "Verification",
     "VerificationWindow",
@@ -57,17 +55,17 @@ __all__ = [
 class FieldTwoDimensions(Result):
     """``two_dimensions`` of a result."""
 
-    level_db: float | NDArray[np.float64]
+    level_db: float | NDArray[np.float64] | None
     """Level of the peak in two dimensions over that of the one-mode equation; dB."""
     nodes: int | NDArray[np.float64]
     """Nodes before the peak."""
     one_mode_nodes: int | NDArray[np.float64]
     """The same by the one-mode equation."""
-    one_mode_reflection: float | NDArray[np.float64]
+    one_mode_reflection: float | NDArray[np.float64] | None
     """The same by the one-mode equation."""
     peak_shift_m: float | NDArray[np.float64] | None
     """Place of the peak less that by the one-mode equation; None where one has none; m."""
-    reflection: float | NDArray[np.float64]
+    reflection: float | NDArray[np.float64] | None
     """Reflection at the driven end, in two dimensions."""
 
 
@@ -97,7 +95,7 @@ class Field(Result):
     """Where the wave turns; m."""
     turning_width: str
     """Width by which the wave turns: arc or plain."""
-    two_dimensions: FieldTwoDimensions | None
+    two_dimensions: FieldTwoDimensions | None = None
 
 
 class Table(Result):
@@ -162,7 +160,7 @@ class SimulationFeeling(Result):
 class SimulationTwoDimensions(Result):
     """``two_dimensions`` of a result."""
 
-    level_db: float
+    level_db: float | None
     """Level of the peak in two dimensions over that of the one-mode equation; dB."""
     nodes: int
     """Nodes before the peak."""
@@ -182,9 +180,9 @@ class SimulationTone(Result):
     amplitude: NDArray[np.complex128]
     edge_width_m: float
     """From the peak to a tenth of its amplitude; m."""
-    felt: str
+    felt: str | None
     """The felt edge as a sentence."""
-    felt_edge_by_person_m: NDArray[np.float64]
+    felt_edge_by_person_m: NDArray[np.float64] | None
     """Felt edge of a dull and of a keen finger; None where none is felt; m."""
     felt_edge_m: float | None
     """Where a finger feels the tone end, by its level alone; None where it does not; m."""
@@ -194,17 +192,17 @@ class SimulationTone(Result):
     """Level of the tone, 0 to 1 of the table's full scale."""
     measured_amplitude_m: NDArray[np.float64]
     """Amplitude of the tone at each place, as simulated; m."""
-    measured_felt_edge_by_person_m: NDArray[np.float64]
+    measured_felt_edge_by_person_m: NDArray[np.float64] | None
     """As ``felt_edge_by_person_m``, by the simulated field; m."""
-    measured_felt_edge_m: float
+    measured_felt_edge_m: float | None
     """As ``felt_edge_m``, by the simulated field; m."""
     measured_peak_amplitude_m: float | None
     """Amplitude of the peak, as simulated; None without a peak; m."""
     measured_peak_position_m: float | None
     """Place of the peak, as simulated; None without a peak; m."""
-    measured_turning_point_m: float
+    measured_turning_point_m: float | None
     """Turning point by the simulated field; m."""
-    peak_amplitude_m: float
+    peak_amplitude_m: float | None
     """Amplitude of the peak, as predicted; m."""
     peak_position_m: float | None
     """Place of the peak; None without a peak; m."""
@@ -214,7 +212,7 @@ class SimulationTone(Result):
     """Places along the plate, or the turning point of a knot; m."""
     turning_point_m: float
     """Where the wave turns; m."""
-    two_dimensions: SimulationTwoDimensions | None
+    two_dimensions: SimulationTwoDimensions | None = None
 
 
 class Simulation(Result):
@@ -233,10 +231,10 @@ class Simulation(Result):
     """Samples that were limited at the end of the DAC's range; samples."""
     edge_width_m: float
     """From the peak to a tenth of its amplitude; m."""
-    feeling: SimulationFeeling | None
-    felt: str
+    feeling: SimulationFeeling
+    felt: str | None
     """The felt edge as a sentence."""
-    felt_edge_by_person_m: NDArray[np.float64]
+    felt_edge_by_person_m: NDArray[np.float64] | None
     """Felt edge of a dull and of a keen finger; None where none is felt; m."""
     felt_edge_m: float | None
     """Where a finger feels the tone end, by its level alone; None where it does not; m."""
@@ -248,11 +246,11 @@ class Simulation(Result):
     """Level of the tone, 0 to 1 of the table's full scale."""
     measured_amplitude_m: NDArray[np.float64]
     """Amplitude of the tone at each place, as simulated; m."""
-    measured_felt_edge_by_person_m: NDArray[np.float64]
+    measured_felt_edge_by_person_m: NDArray[np.float64] | None
     """As ``felt_edge_by_person_m``, by the simulated field; m."""
-    measured_felt_edge_m: float
+    measured_felt_edge_m: float | None
     """As ``felt_edge_m``, by the simulated field; m."""
-    measured_felt_edge_of_all_by_person_m: NDArray[np.float64]
+    measured_felt_edge_of_all_by_person_m: NDArray[np.float64] | None
     """As ``measured_felt_edge_by_person_m``, of all tones together; m."""
     measured_felt_edge_of_all_m: float | None
     """As ``measured_felt_edge_m``, of all tones together; None where a beat is too slow; m."""
@@ -262,9 +260,9 @@ class Simulation(Result):
     """Place of the peak, as simulated; None without a peak; m."""
     measured_s: float
     """Time at the end over which the field was measured; s."""
-    measured_turning_point_m: float
+    measured_turning_point_m: float | None
     """Turning point by the simulated field; m."""
-    peak_amplitude_m: float
+    peak_amplitude_m: float | None
     """Amplitude of the peak, as predicted; m."""
     peak_at_full_scale_m: float
     """Amplitude of the peak at level 1; m."""
@@ -276,7 +274,7 @@ class Simulation(Result):
     """Name of the plate."""
     position_m: NDArray[np.float64]
     """Places along the plate, or the turning point of a knot; m."""
-    sensitivity_at_m: float
+    sensitivity_at_m: float | None
     """Where the level is most sensitive; m."""
     sensitivity_db: float | None
     """Error of the table on the actual plate; None on its own plate; dB."""
@@ -287,7 +285,7 @@ class Simulation(Result):
     tones: Results[SimulationTone]
     turning_point_m: float
     """Where the wave turns; m."""
-    two_dimensions: SimulationTwoDimensions | None
+    two_dimensions: SimulationTwoDimensions | None = None
 
 
 class CheckAtLeast(Result):
@@ -304,8 +302,8 @@ class CheckLimit(Result):
 
     _nested = {"at_least": "CheckAtLeast", "at_most": "CheckAtLeast"}
 
-    at_least: CheckAtLeast | None
-    at_most: CheckAtLeast | None
+    at_least: CheckAtLeast | None = None
+    at_most: CheckAtLeast | None = None
 
 
 class CheckStretch(Result):
@@ -325,10 +323,10 @@ class Light(Result):
     colour: str
     """unchecked, green, amber or red."""
     high: float | None
-    """Upper end of the 95 % interval; None where there is none; unit of `value."""
+    """Upper end of the 95 % interval; None where there is none; unit of ``value``."""
     limit: CheckLimit | None
     low: float | None
-    """Lower end of the 95 % interval; None where there is none; unit of `value."""
+    """Lower end of the 95 % interval; None where there is none; unit of ``value``."""
     name: str
     """Name."""
     sentence: str
@@ -339,7 +337,7 @@ class Light(Result):
     unit: str
     """Unit of ``value``; empty for a pure number."""
     value: float | None
-    """The number; None where there is none; in `unit`, or SI."""
+    """The number; None where there is none; in ``unit``, or SI."""
 
 
 class Check(Result):
@@ -354,7 +352,7 @@ class Check(Result):
     lights: Results[Light]
     plate: str
     """Name of the plate."""
-    turning_point_m: float
+    turning_point_m: float | None
     """Where the wave turns; m."""
     turning_point_tolerance_m: float | None
     """Half of the 95 % interval of turning points; None where unknown; m."""
@@ -471,7 +469,7 @@ class TextureChord(Result):
     """The tones of a chord are multiples of this frequency; Hz."""
     chord_gain_db: float | None
     """How much louder the chord is than the sum of its tones allows; None where it is none; dB."""
-    contrast_db: float
+    contrast_db: float | None
     """Level before the edge over the level behind it; dB."""
     harmonics: NDArray[np.int64]
     """Multiples of the base frequency, one for each tone."""
@@ -488,37 +486,14 @@ class TextureChord(Result):
 class TextureReach(Result):
     """``reach`` of a result."""
 
-    contrast_db: float
+    contrast_db: float | None
     """Level before the edge over the level behind it; dB."""
-    largest_square_error: float
+    largest_square_error: float | None
     """Largest error of the square of the amplitude with any number of tones."""
     ripple_db: float | None
     """Ripple of the area; None where there is none; dB."""
     rms_error: float
     """Error of the RMS amplitude, over its largest value."""
-
-
-class TextureColumn(Result):
-    """One of ``columns`` of a result."""
-
-    name: str
-    """Name."""
-    quantity: str | None
-    """What the column was read as; None where it is left out."""
-    unit: str | None
-    """Unit in which the column was read; None for a pure number or a column that is left out."""
-
-
-class TextureRead(Result):
-    """``read`` of a result."""
-
-    _nested = {"columns": "TextureColumn"}
-
-    columns: Results[TextureColumn]
-    file: str
-    """The file that was read."""
-    rows: int
-    """Rows of the table."""
 
 
 class TextureTone(Result):
@@ -543,43 +518,42 @@ class TextureTone(Result):
 class Texture(Result):
     """A texture of tones."""
 
-    _nested = {"chord": "TextureChord", "reach": "TextureReach", "read": "TextureRead", "tones": "TextureTone"}
+    _nested = {"chord": "TextureChord", "reach": "TextureReach", "tones": "TextureTone"}
 
     chord: TextureChord | None
-    contrast_db: float
+    contrast_db: float | None
     """Level before the edge over the level behind it; dB."""
-    felt_edge_by_person_m: NDArray[np.float64]
+    felt_edge_by_person_m: NDArray[np.float64] | None
     """Felt edge of a dull and of a keen finger; None where none is felt; m."""
-    flutter_db: float
+    flutter_db: float | None
     """Swing of the RMS over 30 ms within a second, at the median place; dB."""
-    flutter_hz: float
+    flutter_hz: float | None
     """Frequency of this swing; Hz."""
-    flutter_largest_db: float
+    flutter_largest_db: float | None
     """Largest swing of the RMS over 30 ms in the area; dB."""
-    flutter_largest_m: float
+    flutter_largest_m: float | None
     """Place of that swing; m."""
     plate: str
     """Name of the plate."""
-    position_m: NDArray[np.float64]
+    position_m: NDArray[np.float64] | None
     """Places along the plate, or the turning point of a knot; m."""
     reach: TextureReach | None
-    read: TextureRead | None
     ripple_db: float | None
     """Ripple of the area; None where there is none; dB."""
-    rms_error: float
+    rms_error: float | None
     """Error of the RMS amplitude, over its largest value."""
-    rms_m: NDArray[np.float64]
+    rms_m: NDArray[np.float64] | None
     """RMS amplitude at each place; m."""
     stripes_felt_db: float | None
     """Depth of the stripes under a contact, in the middle; None for others; dB."""
     stripes_m: float | None
     """Distance of the stripes in the middle; None for others; m."""
     tones: Results[TextureTone]
-    wanted_rms_m: NDArray[np.float64]
+    wanted_rms_m: NDArray[np.float64] | None
     """The wanted RMS amplitude at each place; m."""
-    worst_ripple_db: float
+    worst_ripple_db: float | None
     """As ``ripple_db``, the worst within the tolerances; dB."""
-    worst_rms_error: float
+    worst_rms_error: float | None
     """As ``rms_error``, the worst within the tolerances."""
 
 
@@ -596,13 +570,13 @@ class CalibrationParameter(Result):
     """One of ``parameters`` of a result."""
 
     high: float | None
-    """Upper end of the 95 % interval; None where there is none; unit of `value."""
+    """Upper end of the 95 % interval; None where there is none; unit of ``value``."""
     low: float | None
-    """Lower end of the 95 % interval; None where there is none; unit of `value."""
+    """Lower end of the 95 % interval; None where there is none; unit of ``value``."""
     name: str
     """Name."""
     value: float | None
-    """The number; None where there is none; in `unit`, or SI."""
+    """The number; None where there is none; in ``unit``, or SI."""
 
 
 class Calibration(Result):
@@ -613,11 +587,11 @@ class Calibration(Result):
     accepted: bool
     """Whether the calibration is accepted; if not, ``reason`` says why."""
     before: CalibrationBefore | None
-    by: str
+    by: str | None
     """The way: two places, one sensor, current or touches."""
-    caution: str
+    caution: str | None
     """A caution that no measurement reveals and the user must check."""
-    chi2_per_n: float
+    chi2_per_n: float | None
     """Square of the deviation per answer, in units of its noise."""
     felt_edge_tolerance_m: float | None
     """Half of the 95 % interval of the felt edge; None except by touches; m."""
@@ -630,7 +604,7 @@ class Calibration(Result):
     """The calibrated plate; None where it is not accepted."""
     reason: str | None
     """Why the calibration is refused; None if it is accepted."""
-    turning_point_per_place: NDArray[np.float64]
+    turning_point_per_place: NDArray[np.float64] | None
     """Shift of turning points per metre that a sensor is off its mark; m/m."""
     turning_point_tolerance_m: float | None
     """Half of the 95 % interval of turning points; None where unknown; m."""
@@ -669,15 +643,9 @@ class Drive(Result):
     """Sample index at which it begins; None while it waits for the trigger, and for one that never begins."""
     chord_gain_db: float | None
     """How much louder the chord is than the sum of its tones allows; None where it is none; dB."""
-    clipped_samples: int
-    """Samples that were limited at the end of the DAC's range; samples."""
     plate: str
     """Name of the plate."""
-    port: str
-    """The port, as --port takes it."""
-    stopped_at_samples: int | None
-    """Index of the sample at which it stopped; None if it did not begin; samples."""
-    table: DriveTable | None
+    table: DriveTable
     tones: Results[DriveTone]
     superseded: bool
     """Whether a newer drive or a stop took its place before the device had accepted it."""
@@ -707,8 +675,6 @@ class Verification(Result):
 
     equal: bool
     """Whether the codes of device and mirror are equal."""
-    port: str
-    """The port, as --port takes it."""
     windows: Results[VerificationWindow]
 
 
@@ -778,15 +744,15 @@ class Status(Result):
     """How the versions of device and program agree."""
     core_hz: float | None
     """Clock of the device's processor; None where it is not reported; Hz."""
-    counters: StatusCounters | None
+    counters: StatusCounters
     crash: str | None
     """Record of the last crash; None if there is none."""
     dac_bits: int | None
     """Bits of the DAC."""
     dead_man_s: float | None
     """Silence of the host after which the device stops; s."""
-    faults: str | None
-    """Latched faults."""
+    faults: list[str]
+    """Latched faults, by their names."""
     firmware: str | None
     """Version of the firmware."""
     flash_erasures: int | None

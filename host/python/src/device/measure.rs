@@ -98,12 +98,12 @@ impl Device {
                 }
             };
             may_be_armed(client, consent)?;
+            client.disarm()?;
             let measurer = Measurer::new(client, &plate, &on_device, &wish.request);
             let measurer = measurer.map_err(|error| Failure::of(&error))?;
             if let Some(rig) = rig.as_ref().filter(|_| wish.sensor.is_some()) {
                 put_sensor(rig, sensor)?;
             }
-            client.disarm()?;
             if let Some(known) = wish.request.known_with(rig.as_ref()) {
                 client.check_drive(&plate, &on_device, known, |_| ())?;
             }
