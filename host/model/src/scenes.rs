@@ -59,7 +59,7 @@ pub const SCENES: [Scene; 6] = [
         name: "Rubber sheet",
         description: "Latex in a narrow frame: a low vibration up to the line",
         plate: "latex-membrane",
-        tones: &[(0.2, 0.5)],
+        tones: &[(0.12, 0.5)],
     },
 ];
 

@@ -159,7 +159,7 @@ struct FilesRead<'a> {
 
 impl FilesRead<'_> {
     /// The measurement of an opened file. `stated` returns the place and the kind of the sensor of a file that names no place;
-    /// its argument is what such a file is. What is read of it is printed to stderr before it is used.
+    /// it is called with a noun for such a file. What is read of it is printed to stderr before it is used.
     fn measured(
         &mut self,
         path: &Path,

@@ -87,6 +87,8 @@ pub struct Services {
     pub ask_for_port: Option<Box<dyn FnMut()>>,
     /// The address of the page that the window is on, without a fragment; `None` outside a browser.
     pub address: Option<String>,
+    /// How long presses have waited.
+    pub press_ages: PressAges,
 }
 
 /// Who decides what is on the stage.
@@ -119,9 +121,6 @@ pub struct App {
     thumbnails: Vec<Thumbnail>,
     /// The file job that waits until the user types a path.
     asked: Option<FileJob>,
-    press_ages: PressAges,
-    /// The age of the press that is handled now, in seconds.
-    press_age_s: f64,
     view: ViewState,
     screenshots: (Sender<Arc<egui::ColorImage>>, Receiver<Arc<egui::ColorImage>>),
 }
@@ -147,8 +146,6 @@ impl App {
             behind: None,
             thumbnails: Vec::new(),
             asked: None,
-            press_ages: PressAges::default(),
-            press_age_s: 0.0,
             view: ViewState::default(),
             screenshots: channel(),
         };
@@ -169,7 +166,7 @@ impl App {
     /// The ages of the presses that a frame handles, for the shell to set before each.
     #[must_use]
     pub fn press_ages(&self) -> PressAges {
-        self.press_ages.clone()
+        self.services.press_ages.clone()
     }
 
     /// The user's setup.

@@ -79,13 +79,14 @@ impl Instrument {
     /// Sends a stop; the drive is no longer wanted.
     fn end_drive(&mut self, stop: Request) {
         let is_emergency = matches!(stop, Request::EmergencyStop);
-        self.drive.note(Severity::Info, if is_emergency { "Emergency stop." } else { "Stop." }.to_owned());
         self.desk.end_replay();
         self.lab.cancel_measuring();
         self.lab.take_owed_drive();
         self.lab.end_hold(HoldEnd::Stopped, &mut self.out);
         self.out.settle();
         self.drive.end(stop);
+        // The stop goes first.
+        self.drive.note(Severity::Info, if is_emergency { "Emergency stop." } else { "Stop." }.to_owned());
     }
 }
 

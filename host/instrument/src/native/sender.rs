@@ -114,7 +114,7 @@ impl<W: BlockingLink> Client<W> {
         }
     }
 
-    /// Waits until the change has begun that the device was told to begin at an index ahead, if there is one. Returns whether
+    /// Waits until a change has begun that a request has set for an index ahead, if there is one. Returns whether
     /// there is none any more: `false` if `goes_on` has ended the wait.
     ///
     /// # Errors

@@ -82,8 +82,8 @@ fn exports_agree(session: &Session, case: &str) {
         let metres = |y: f64| stage.0[low].1 + (curve[low].1 - y) / per_m;
         let pairs = curve.iter().zip(&stage.0).chain(rings.iter().zip(&stage.1));
         let off = pairs.map(|(drawn, at)| (metres(drawn.1) - at.1).abs()).fold(0.0, f64::max);
-        // A figure's coordinates have two decimals.
-        assert!(off * per_m < 0.02, "{case}: {off} m, at {per_m} points a metre");
+        // A figure's coordinates have two decimals: each point is off by half of one, and so are the two that state the scale.
+        assert!(off * per_m < 0.04, "{case}: {off} m, at {per_m} points a metre");
         // One more is in the legend.
         assert_eq!(rings.len(), stage.1.len() + usize::from(shown.measured.is_some()), "{case}");
         let name = shown.measured.as_ref().map(|rings| rings.name());
@@ -118,7 +118,8 @@ fn computations_agree(session: &Session, actual: Option<Plate>, case: &str) {
     if actual.is_none() {
         let predicted = (length_m, shown.predicted.rms_m.as_slice());
         let off = off_by(&result.position_m, &result.predicted_rms_m, predicted);
-        assert!(off < 0.01, "{case}: predicted, {off}");
+        // The stage has a value at 401 places; between them a wave's crests are higher than the straight line.
+        assert!(off < 0.04, "{case}: predicted, {off}");
     }
     let Some(rings) = &shown.measured else { return };
     let computed_m: Vec<f64> = result.rms_m.iter().map(|&rms_m| f64::from(rms_m)).collect();

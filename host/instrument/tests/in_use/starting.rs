@@ -26,7 +26,8 @@ impl Link for LateLink {
         if seen > self.late {
             return self.link.snapshot();
         }
-        Arc::new(Snapshot { revision: seen, ..Snapshot::default() })
+        // No revision of the real one.
+        Arc::new(Snapshot { revision: u64::MAX - seen, ..Snapshot::default() })
     }
 }
 

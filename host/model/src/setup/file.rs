@@ -121,14 +121,18 @@ fn syntax(text: &str, fault: &toml::de::Error) -> SetupFileError {
     SetupFileError::Syntax { line, message }
 }
 
-/// The text with the sections of a setup's plate as those of a plate file, on the same lines.
+/// The sections of a setup's plate as those of a plate file, on the same lines; the other lines are empty.
 fn plate_lines(text: &str) -> String {
-    let line = |line: &str| match line.trim_start().strip_prefix("[plate") {
-        Some(rest) if rest.starts_with(']') => String::new(),
-        Some(rest) if rest.starts_with('.') => format!("[{}", &rest[1..]),
-        _ => line.to_owned(),
+    let mut is_of_plate = false;
+    let mut of_plate = |line: &str| {
+        let line = line.trim_start();
+        if line.starts_with('[') {
+            is_of_plate = line.starts_with("[plate]") || line.starts_with("[plate.");
+            return line.strip_prefix("[plate.").map_or_else(String::new, |section| format!("[{section}"));
+        }
+        if is_of_plate { line.to_owned() } else { String::new() }
     };
-    text.lines().map(line).collect::<Vec<_>>().join("\n")
+    text.lines().map(&mut of_plate).collect::<Vec<_>>().join("\n")
 }
 
 fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {

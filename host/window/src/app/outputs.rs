@@ -22,7 +22,7 @@ impl App {
         let (now_s, is_pressed) = ctx.input(|input| (input.time, input.pointer.any_down()));
         self.instrument.attend(Attention {
             now_s,
-            press_age_s: self.press_age_s,
+            press_age_s: self.services.press_ages.present_s(),
             is_pressed,
             is_dragging: self.grab.is_some() || self.is_demonstrating(),
             is_animated: self.settings.animate,

@@ -31,7 +31,7 @@ impl App {
     pub(super) fn perform(&mut self, ctx: &egui::Context, intents: Intents) {
         for intent in intents {
             let is_stop = matches!(intent, Intent::Stop | Intent::StopKey);
-            self.press_age_s = if is_stop { self.press_ages.take() } else { 0.0 };
+            self.services.press_ages.begin_event(is_stop);
             self.attend(ctx);
             if matches!(intent, Intent::Touch(_) | Intent::MoveFinger(_)) {
                 self.hearing.has_touched = true;

@@ -1,6 +1,6 @@
 //! The app in a window of the system: its stored state and its threads.
 
-use super::{App, Jobs, Link, Parts, Services, event_loop, first_setup, no_display};
+use super::{App, Jobs, Link, Parts, PressAges, Services, event_loop, first_setup, no_display};
 use crate::files::SystemFiles;
 use crate::settings::Settings;
 use crate::sound::SystemSpeaker;
@@ -157,6 +157,7 @@ impl Parts {
             ports: Box::new(list_ports),
             ask_for_port: None,
             address: None,
+            press_ages: PressAges::default(),
         };
         Ok(Self { link, jobs, bench: Bench::default(), services })
     }

@@ -20,7 +20,7 @@ use slipline_model::scenes;
 use slipline_model::setup::file as setup_file;
 use slipline_model::setup::{BoundaryMode, Setup};
 use slipline_plate::plane::PlaneError;
-use slipline_window::app::{App, Jobs, Link, Parts, Services, TableJob, TableState, first_setup};
+use slipline_window::app::{App, Jobs, Link, Parts, PressAges, Services, TableJob, TableState, first_setup};
 use slipline_window::settings::{Settings, ThemeChoice};
 use std::cell::{Cell, RefCell};
 use std::path::PathBuf;
@@ -454,6 +454,7 @@ fn parts(
         ports: Box::new(|| vec![PortInfo::simulated()]),
         ask_for_port: None,
         address: None,
+        press_ages: PressAges::default(),
     };
     Parts { link, jobs, bench: Bench::default(), services }
 }

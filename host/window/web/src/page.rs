@@ -19,7 +19,7 @@ use slipline_model::scenes::thumbnails;
 use slipline_model::setup::file::{self as setup_file, Opened};
 use slipline_model::setup::fragment;
 use slipline_model::sound::Sound;
-use slipline_window::app::{App, Parts, Services, first_setup};
+use slipline_window::app::{App, Parts, PressAges, Services, first_setup};
 use slipline_window::settings::Settings;
 use slipline_window::sound::{Speaker, SpeakerState};
 use slipline_window::view::theme;
@@ -383,6 +383,7 @@ fn parts(
         ports: Box::new(move || listing.ports()),
         ask_for_port: Some(ask_for_port),
         address: Some(address),
+        press_ages: PressAges::default(),
     };
     Parts { link: Box::new(link), jobs, bench, services }
 }
