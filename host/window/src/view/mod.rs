@@ -54,10 +54,6 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
             });
         },
     );
-    let is_wide = room::is_wide(size);
-    if is_wide {
-        panel(ui, room, scene, view, &mut intents);
-    }
     if room.plots {
         egui::Panel::bottom("bottom")
             .frame(frame)
@@ -65,8 +61,12 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
             .resizable(false)
             .show(ui, |ui| bottom_row::show(ui, scene, view, &mut intents));
     }
-    if !is_wide {
-        panel(ui, room, scene, view, &mut intents);
+    if room.panel {
+        let side = match room.below {
+            Some(height) => egui::Panel::bottom("below").exact_size(height),
+            None => egui::Panel::right("side").exact_size(side_panel::WIDTH),
+        };
+        side.frame(frame).resizable(false).show(ui, |ui| side_panel::show(ui, scene, view, &mut intents));
     }
     if view.tab != Tab::Texture {
         view.brush = Brush::default();
@@ -84,23 +84,4 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
     });
     dialogs::show(ui, scene, view, &mut intents);
     intents
-}
-
-/// The panel at the side of the stage, or below it.
-fn panel(
-    ui: &mut egui::Ui,
-    room: room::Room,
-    scene: &Scene<'_>,
-    view: &mut ViewState,
-    intents: &mut Intents,
-) {
-    if !room.panel {
-        return;
-    }
-    let side = match room.below {
-        Some(height) => egui::Panel::bottom("below").exact_size(height),
-        None => egui::Panel::right("side").exact_size(side_panel::WIDTH),
-    };
-    let frame = egui::Frame::new().inner_margin(theme::MARGIN);
-    side.frame(frame).resizable(false).show(ui, |ui| side_panel::show(ui, scene, view, intents));
 }

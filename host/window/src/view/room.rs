@@ -8,18 +8,10 @@ use eframe::egui::{self, Vec2, vec2};
 
 /// The least window for panel and plots at once, in points: the stage between them then has 440 x 270 points.
 const BOTH: Vec2 = vec2(760.0, 480.0);
-/// A window as wide, in points, has room for the row of plots beside the panel, which then is as high as the window: its first
-/// page is whole at 1280 x 720.
-const WIDE: f32 = 1280.0;
 /// The share of an upright window's height that its panel has, below the stage.
 const PANEL_BELOW: f32 = 0.45;
 /// Height of the status line with the buttons that open one or the other, in points.
 const SWITCH: f32 = 34.0;
-
-/// Whether the panel of a window of this size is as high as the window, with the plots beside it.
-pub(super) fn is_wide(size: Vec2) -> bool {
-    size.x >= WIDE
-}
 
 /// The parts that are shown.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -26,7 +26,7 @@ pub(crate) fn height(ui: &egui::Ui) -> f32 {
 const METERS: f32 = 170.0;
 
 /// Shares of the width; each gap between two parts has a separator line.
-const SHARES: [f32; 4] = [0.27, 0.27, 0.18, 0.28];
+const SHARES: [f32; 4] = [0.28, 0.28, 0.18, 0.26];
 /// The shares in a window wider than [`WIDE`], in points, where meters and log have enough and the plots get the rest.
 const WIDE_SHARES: [f32; 4] = [0.335, 0.335, 0.145, 0.185];
 const WIDE: f32 = 1200.0;

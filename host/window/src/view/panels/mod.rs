@@ -12,6 +12,5 @@ pub(crate) mod play_panel;
 pub(crate) mod side_panel;
 pub(crate) mod texture_panel;
 pub(crate) mod texture_plot;
-mod time_line;
 pub(crate) mod tones_panel;
 pub(crate) mod validity;

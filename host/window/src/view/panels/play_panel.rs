@@ -4,7 +4,6 @@ use crate::intent::{Asks as _, Export, Intent, Intents};
 use crate::scene::Scene;
 use crate::settings::SPEEDS;
 use crate::view::fields::{field::row, slider::FreeSlider};
-use crate::view::panels::time_line;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
@@ -101,7 +100,6 @@ fn recording(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         (false, None) => format!("{moves} moves, {length_s:.1} s"),
     };
     row(ui, "Recording", words);
-    time_line::show(ui, scene, intents);
     ui.horizontal(|ui| {
         let help = "A CSV file of time_s, tone and place_m, such as Export writes";
         ui.button("Import…").on_hover_text(help).asks(intents, Intent::OpenDialog);
