@@ -81,7 +81,7 @@ def rows(fields: dict[str, Any], name: str | None) -> list[Result]:
 
 def frame(results: Sequence[Result]) -> Any:
     """A ``pandas.DataFrame`` with a row for each result and a column for each field that is one value."""
-    import pandas
+    import pandas  # type: ignore[import-untyped]
 
     data = [{name: item for name, item in one._fields().items() if np.ndim(item) == 0 and not hasattr(item, "_fields")} for one in results]
     return pandas.DataFrame(data)
@@ -95,7 +95,7 @@ def pandas(fields: dict[str, Any], name: str | None) -> Any:
 
 def columns(fields: dict[str, Any]) -> Any:
     """A ``pandas.DataFrame`` of the arrays of one length, the commonest."""
-    import pandas
+    import pandas  # type: ignore[import-untyped]
 
     arrays = {name: value for name, value in fields.items() if isinstance(value, np.ndarray) and value.ndim == 1}
     lengths = [value.size for value in arrays.values()]

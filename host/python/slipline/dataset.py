@@ -37,8 +37,8 @@ def dataset(fields: dict[str, Any]) -> Any:
         elif isinstance(value, (bool, int, float, complex, str)):
             attributes[name] = value
     found = xarray.Dataset(variables, coords=coordinates, attrs=attributes)
-    for name in found.variables:
-        found[name].attrs.update(described(str(name)))
+    for key, variable in found.variables.items():
+        variable.attrs.update(described(str(key)))
     return found
 
 
@@ -79,6 +79,6 @@ def of_measurement(measurement: Any) -> Any:
         coords={"frequency_hz": measurement.frequency_hz},
         attrs=attributes,
     )
-    for name in found.variables:
-        found[name].attrs.update(described(str(name)))
+    for key, variable in found.variables.items():
+        variable.attrs.update(described(str(key)))
     return found

@@ -50,16 +50,6 @@ impl WishDraft {
     }
 }
 
-/// The factor, at most 1, that brings a wanted shape nearest to what is made of it, by least squares over pairs of a wanted and
-/// a made amplitude: 1 where the wanted height is reached, 0 where nothing is made.
-#[must_use]
-pub fn reached_share(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
-    let sums = pairs.fold((0.0, 0.0), |(both, square), (wanted, made)| {
-        (wanted.mul_add(made, both), wanted.mul_add(wanted, square))
-    });
-    if sums.1 > 0.0 { (sums.0 / sums.1).clamp(0.0, 1.0) } else { 1.0 }
-}
-
 /// The value of a profile at a place; `None` before its first and beyond its last breakpoint.
 fn value_at(profile: &[(f64, f64)], place_m: f64) -> Option<f64> {
     let after = profile.partition_point(|point| point.0 < place_m);
@@ -111,19 +101,6 @@ mod tests {
             draft.draw(stroke, LENGTH_M);
         }
         draft
-    }
-
-    #[test]
-    fn what_is_too_high_keeps_its_shape_and_a_wrong_shape_is_no_share_of_it() {
-        let wanted = [3.0, 2.0, 1.0, 0.0];
-        let share = |made: [f64; 4]| reached_share(wanted.into_iter().zip(made));
-        assert_eq!(share(wanted), 1.0);
-        assert!((share(wanted.map(|it| 0.25 * it)) - 0.25).abs() < 1e-12);
-        // Louder than wanted is a miss, too.
-        assert_eq!(share(wanted.map(|it| 2.0 * it)), 1.0);
-        assert_eq!(share([0.0; 4]), 0.0);
-        let rising = share([0.0, 1.0, 2.0, 3.0]);
-        assert!(0.0 < rising && rising < 0.5, "{rising}");
     }
 
     #[test]

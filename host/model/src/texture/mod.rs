@@ -12,7 +12,6 @@ mod profile_file;
 
 pub use chord::{chord_of, sounding};
 pub use draft::{BREAKPOINTS_DRAWN_MAX, WishDraft, WishKind};
-pub use drawing::reached_share;
 pub use making::{Fitted, Lack, Made, Rest, Wish, make};
 pub use profile_file::{
     PROFILE_FILE_BYTES_MAX, ProfileFileError, ProfileRead, ProfileTable, from_csv, from_png,

@@ -155,28 +155,3 @@ fn the_page_lies_inside_its_panel() {
     let page = app.window.get_by_label("Texture over the plate").rect();
     assert!(page.right() <= window.right() && page.width() > 250.0, "{page:?}");
 }
-
-#[test]
-fn the_tones_of_a_texture_are_ticks_under_the_strip_and_the_selected_line_ends_above_it() {
-    let mut app = TestApp::driving();
-    open_textures(&mut app);
-    choose(&mut app, "Solid");
-    app.wait(600);
-    app.click("Play this", 400);
-    let tones = app.window.state().setup().tones.len();
-    assert!(tones >= 4, "{tones}");
-    let strip = app.window.get_by_label_contains("felt to").rect();
-    let line = crate::line_rect(&app);
-    assert!(line.bottom() < strip.top(), "{line} {strip}");
-    for tone in 2..=tones {
-        let name = format!("Peak of tone {tone}");
-        let tick = app.window.get_by_role_and_label(Role::Slider, &name).rect();
-        assert!(tick.top() >= strip.bottom() - 1.0 && tick.height() >= 24.0, "{name}: {tick} {strip}");
-    }
-    // A press on a tick selects it, and its line is whole then.
-    let tick = app.window.get_by_role_and_label(Role::Slider, "Peak of tone 3").rect().center();
-    app.grab(tick, 50);
-    app.release(tick, 200);
-    let now = app.window.get_by_role_and_label(Role::Slider, "Peak of tone 3").rect();
-    assert!(now.height() > 100.0 && now.bottom() < strip.top(), "{now}");
-}

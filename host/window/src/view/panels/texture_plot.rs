@@ -127,10 +127,10 @@ fn curves(ui: &egui::Ui, texture: &TextureScene<'_>, plot: &Plot) {
         if let Some(Lack::Reach(_)) = made.lack(textured.wish.most) {
             // At once, and where one looks while one draws: below the curves, which are high where something is wanted.
             let words = "not all of it is in reach".to_owned();
-            let galley = painter.layout_no_wrap(words, FontId::proportional(11.5), palette.weak);
+            let galley = painter.layout_no_wrap(words, FontId::proportional(11.5), palette.warn);
             let place = plot.rect.left_bottom() + vec2(4.0, -2.0 - galley.size().y);
             painter.rect_filled(Rect::from_min_size(place, galley.size()).expand(2.0), 2.0, palette.well);
-            painter.galley(place, galley, palette.weak);
+            painter.galley(place, galley, palette.warn);
         }
     }
     if texture.draft.kind == WishKind::Profile {

@@ -260,23 +260,17 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     painter.add(Shape::line(lower, rim));
     let bar = Rect::from_min_max(first + vec2(-6.0, -1.0), far.0 + vec2(-1.0, 1.0));
     painter.rect_filled(bar, 2.0, palette.weak);
-    let squeeze = if is_relief { 0.0 } else { squeeze };
-    beside_drive(ui, pos2(bar.left() - 6.0, rect.center().y), squeeze);
+    let label = pos2(bar.left() - 6.0, rect.center().y);
+    painter.text(label, Align2::RIGHT_CENTER, "drive", FontId::proportional(11.5), palette.weak);
+    width_scale(ui, label.x, rect, if is_relief { 0.0 } else { squeeze });
 }
 
-/// Height of a line of the words beside the driven end, in points.
-const BESIDE: f32 = 13.0;
-
-/// What stands at the driven end and whether the width is drawn to scale: in the margin, where it lies over nothing, and about
-/// the plate's middle, so that it does not reach the scale of the envelope.
-fn beside_drive(ui: &egui::Ui, middle: Pos2, squeeze: f32) {
+/// Whether the width is drawn to scale, in the margin beside the driven end, where it lies over nothing.
+fn width_scale(ui: &egui::Ui, right: f32, rect: Rect, squeeze: f32) {
     let palette = theme::palette(ui);
-    let lines: &[&str] =
-        if squeeze < 0.999 { &["drive", "width not", "to scale"] } else { &["drive", "to scale"] };
-    let top = middle.y - 0.5 * BESIDE * lines.len() as f32;
+    let lines: &[&str] = if squeeze < 0.999 { &["width not", "to scale"] } else { &["to scale"] };
     for (i, line) in lines.iter().enumerate() {
-        let font = FontId::proportional(if i == 0 { 11.5 } else { 10.5 });
-        let place = pos2(middle.x, top + BESIDE * i as f32);
-        ui.painter().text(place, Align2::RIGHT_TOP, line, font, palette.weak);
+        let place = pos2(right, rect.center().y + 8.0 + 13.0 * i as f32);
+        ui.painter().text(place, Align2::RIGHT_TOP, line, FontId::proportional(10.5), palette.weak);
     }
 }
