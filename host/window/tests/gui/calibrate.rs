@@ -66,7 +66,7 @@ fn a_plate_that_is_four_per_cent_off_is_calibrated_used_and_taken_back() {
     let before = app.window.state().setup().clone();
     go_through(&mut app, &answers(1.04));
     assert!(app.shows("Boundary off by") && app.shows("Wave speed") && app.shows("Sensor's place"));
-    assert!(app.shows("χ² per answer is"));
+    assert!(app.shows("Reduced chi-square is"));
     assert!(app.shows("1.0 mm from its mark moves the boundary by up to"), "what no measurement shows");
     press(&mut app, "Save plate file…");
     let (name, bytes) = app.files.saved.borrow().last().cloned().unwrap();

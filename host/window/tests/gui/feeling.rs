@@ -75,7 +75,7 @@ fn name_the_same_place(presets: &[(&str, f64, [u32; 5])]) {
             let near = |mm: f64, wanted: u32| (mm - f64::from(wanted)).abs() < 0.06;
             assert!(near(slider_mm(&app, "Boundary"), mm), "{name} {mm}: the line");
             let flag = painted(&app, &format!("felt to {wanted}   "));
-            assert!(flag.is_some_and(|flag| flag.contains("edge")), "{name} {mm}: the flag");
+            assert!(flag.is_some_and(|flag| flag.contains("fall-off")), "{name} {mm}: the flag");
             let strip = painted(&app, "felt to ").unwrap_or_default();
             let (edge, by_person) = strip.split_once(", ").unwrap_or((&strip, ""));
             assert_eq!(edge, format!("felt to {wanted}"), "{name}: the strip");

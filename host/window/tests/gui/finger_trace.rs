@@ -112,7 +112,7 @@ fn a_paused_trace_holds_and_one_at_rest_says_so() {
     let held = lane(&app, "amplitude").unwrap().0;
     drag_by(&mut app, &[4.0; 30]);
     assert_eq!(lane(&app, "amplitude").unwrap().0, held);
-    app.click("Go on: Finger trace", 100);
+    app.click("Resume: Finger trace", 100);
     assert_ne!(lane(&app, "amplitude").unwrap().0, held);
     app.key(Key::Space, 500);
     assert_eq!(lane(&app, "amplitude"), None);

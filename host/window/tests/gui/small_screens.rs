@@ -301,7 +301,7 @@ fn on_an_upright_telephone_nothing_is_cut_in_the_top_bar_and_a_picture_is_laid_o
         for name in ["Device: ", "State: ", "round trip", "STOP"] {
             let shown = app.window.query_by_label_contains(name).map(|node| node.rect());
             assert!(
-                shown.is_none_or(|shown| screen(size).contains_rect(shown)),
+                shown.is_none_or(|shown| app.window.ctx.content_rect().contains_rect(shown)),
                 "{size:?} {name}: {shown:?}"
             );
             assert!(shown.is_some() || name == "round trip", "{size:?} {name}");

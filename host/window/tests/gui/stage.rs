@@ -191,7 +191,7 @@ fn the_choice_of_colours_is_one_of_the_settings_that_are_kept() {
     assert!(!app.window.state().settings().show_amplitude);
     app.click("Amplitude", 100);
     assert!(app.window.state().settings().show_amplitude);
-    assert!(app.has("2-D sheet, largest"));
+    assert!(app.has("2-D sheet, maximum over time"));
     app.click("Wave", 100);
     assert!(!app.window.state().settings().show_amplitude);
 }

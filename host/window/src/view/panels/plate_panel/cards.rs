@@ -78,7 +78,8 @@ impl Card {
         let at = pos2(inside.right() - 6.0, inside.top() + 7.0);
         validity::mark(ui.painter(), at, lights, validity::ink(lights, palette));
         ui.painter().galley(pos2(inside.left(), inside.top() + DRAWING.y + INSET), words, palette.weak);
-        response
+        // Whole: the card has room for its first rows.
+        response.on_hover_text(self.plate.spec().description.as_str())
     }
 
     fn draw(&self, ui: &egui::Ui, rect: Rect) {
