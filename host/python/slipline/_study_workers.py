@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import lru_cache
 from queue import SimpleQueue
@@ -92,7 +93,5 @@ def _range(version: str, text: str, first: int, end: int) -> Any:
     return _study(text).run(first, end)
 
 
-@lru_cache(maxsize=4)
-def _study(text: str) -> _Study:
-    """The study of a text; its table is computed once for each process."""
-    return _Study(text)
+#: The study of a text; its table is computed once for each process.
+_study: Callable[[str], _Study] = lru_cache(maxsize=4)(_Study)
