@@ -28,7 +28,7 @@ fn press(app: &mut TestApp, name: &str) {
 }
 
 fn choose_kind(app: &mut TestApp, now: &str, kind: &str) {
-    app.window.get_by_role_and_label(Role::ComboBox, &format!("Sensor: {now}")).click();
+    app.window.get_by_role_and_label(Role::ComboBox, &format!("Sensor: {now}")).click_accesskit();
     app.wait(200);
     app.click_button(kind, 200);
 }

@@ -211,7 +211,7 @@ fn escape_stops_while_typing_and_space_stops_elsewhere() {
     app.window.step();
     app.take_sent();
     app.key(Key::Escape, 0);
-    assert!(matches!(app.take_sent()[..], [Request::Stop]));
+    assert!(matches!(app.take_sent()[..], [Request::Stop, Request::Note(..)]));
     app.wait(200);
     assert!(!app.is_driving());
     assert!(app.has("State: armed"));

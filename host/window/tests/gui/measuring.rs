@@ -73,9 +73,13 @@ fn a_measurement_is_seen_from_every_page_and_cancelled_there() {
     let line = crate::line_rect(&app);
     for page in ["Boundary", "Tones", "Device"] {
         app.click_button(page, 100);
-        let state = app.window.query_all_by_label_contains("State: measuring: ").next().unwrap();
-        let words = state.accesskit_node().label().unwrap();
-        assert!(words.contains(" %, ") && words.ends_with(" s left"), "{page}: {words}");
+        let mut states = app.window.query_all_by_label_contains("State: ");
+        let state = states.next().expect("the chip");
+        let words = state.accesskit_node().value().expect("its words");
+        assert!(
+            words.contains("measuring: ") && words.contains(" %, ") && words.ends_with(" s left"),
+            "{page}: {words}"
+        );
         assert!(app.has_part("Measuring: ") && app.shows("being measured"), "{page}");
         assert!(!app.has("Drive") && !app.has_part("drives the plate"), "{page}");
     }
