@@ -19,21 +19,10 @@ use slipline_instrument::device_info::DeviceInfo;
 use slipline_instrument::hold::{Holding, MAX_RISE};
 use slipline_instrument::measure::verify_windows_s;
 use slipline_instrument::native::ArmingConsent;
-use slipline_link::Severity;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::simulation::table_for;
 use slipline_plate::quantity::{OutOfRange, Range};
 use std::sync::Arc;
-
-/// The level of Python's `logging`.
-const fn level_of(severity: Severity) -> u8 {
-    match severity {
-        Severity::Detail => 10,
-        Severity::Info => 20,
-        Severity::Warning => 30,
-        Severity::Error => 40,
-    }
-}
 
 /// Times between two looks of an iterator.
 const PERIODS: Range = Range::new(0.01, 60.0, "s");
@@ -372,15 +361,7 @@ impl Device {
 
     /// The lines of the link's log that are new since the last call, each with its level of ``logging``.
     fn _log(&self) -> Vec<(u8, String)> {
-        let log = Arc::clone(&self.client.snapshot().record.log);
-        let mut latest = lock(&self.latest_log);
-        let seen = latest.as_ref().and_then(|latest| log.iter().rposition(|entry| entry == latest));
-        let new = log.iter().skip(seen.map_or(0, |seen| seen + 1));
-        let lines = new.map(|entry| (level_of(entry.severity), entry.text.clone())).collect();
-        if let Some(entry) = log.back() {
-            *latest = Some(entry.clone());
-        }
-        lines
+        self.new_lines()
     }
 
     /// Gives a sign of life, and ends what nobody attends to any more. Returns whether a further sign is due.
