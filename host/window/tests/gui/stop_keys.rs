@@ -249,7 +249,9 @@ fn escape_in_a_page_reports_what_else_it_did() {
         window.run_steps(3);
         assert_eq!(sent(&link), "SD", "{state:?}");
         let said = window.query_by_label_contains("Esc closed the page");
-        let said = said.and_then(|node| node.accesskit_node().label()).unwrap_or_default();
+        let words =
+            |node: egui_kittest::Node<'_>| node.accesskit_node().label().or(node.accesskit_node().value());
+        let said = said.and_then(words).unwrap_or_default();
         assert_eq!(said, message, "{state:?}");
     }
 }
