@@ -32,6 +32,12 @@ def test_an_emergency_stop_latches_a_fault_that_names_itself_and_the_call_that_c
         assert device.status().state == "Idle"
         device.arm()
         assert device.drive(turning_point_m=0.16).at_samples > drive.at_samples
+        # Also before the ramp of the stop has ended.
+        for _ in range(20):
+            device.emergency_stop()
+            device.clear_faults()
+            device.arm()
+            device.drive(turning_point_m=0.16)
 
 
 #: The line that the page names after a dead-man trip.

@@ -292,6 +292,11 @@ impl<W: BlockingLink> Client<W> {
     pub fn disarm(&self) -> Result<(), ClientError> {
         self.count_stop();
         self.perform(Request::Disarm)?;
+        self.await_silence()
+    }
+
+    /// Waits until a ramp of the output has ended.
+    fn await_silence(&self) -> Result<(), ClientError> {
         for _ in 0..FADING {
             self.refresh()?;
             if self.snapshot().drive.status.is_some_and(|status| status.state != State::Stopping) {
@@ -318,13 +323,14 @@ impl<W: BlockingLink> Client<W> {
         self.link.release(ticket);
     }
 
-    /// Clears the faults whose causes are gone.
+    /// Clears the faults whose causes are gone, and waits until the ramp of the stop has ended: the device can be armed in
+    /// silence only.
     ///
     /// # Errors
     /// [`ClientError::Stopped`] with the faults whose causes stand, and a request's error.
     pub fn clear_faults(&self) -> Result<(), ClientError> {
         self.perform(Request::ClearFaults)?;
-        self.refresh()?;
+        self.await_silence()?;
         self.check_faults()
     }
 
