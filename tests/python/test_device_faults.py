@@ -98,7 +98,9 @@ def test_the_program_that_was_held_up_itself_goes_on_with_the_same_line() -> Non
         assert program.end() == (0, "")
 
 
-def test_a_lost_link_is_connected_again_and_drives_the_plate_in_use(plate: slipline.Plate) -> None:
+def test_a_lost_link_is_logged_and_connected_again_and_drives_the_plate_in_use(
+    plate: slipline.Plate, caplog: pytest.LogCaptureFixture
+) -> None:
     with Line() as line, slipline.connect(line.port) as device:
         device.use(plate)
         device.arm()
@@ -110,6 +112,8 @@ def test_a_lost_link_is_connected_again_and_drives_the_plate_in_use(plate: slipl
                 time.sleep(0.05)
         # The dead-man has stopped the device meanwhile.
         time.sleep(1.0)
+        logged = [(record.name, record.levelname) for record in caplog.records if "Connection lost" in record.message]
+        assert logged == [("slipline", "ERROR")]
         device.reconnect()
         with pytest.raises(slipline.Fault) as caught:
             device.arm()
