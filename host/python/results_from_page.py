@@ -95,7 +95,7 @@ OR_NONE = {
 ALWAYS = {"Drive": ("table",), "Simulation": ("feeling",), "Status": ("counters",)}
 #: Fields that the command leaves out where they do not apply; of a result they are None then.
 ABSENT = {"Field": ("two_dimensions",), "Simulation": ("two_dimensions",), "SimulationTone": ("two_dimensions",), "CheckLimit": ("at_least", "at_most")}
-#: The results whose numbers are arrays where several are asked for.
+#: The results whose numbers are arrays where several are requested.
 SERIES = ("Field",)
 
 

@@ -53,6 +53,25 @@ const SLEEPS: &[(&str, &[Sleep])] = &[
         ],
     ),
     ("tests/page/board.py", &[Polls]),
+    (
+        "tests/python/test_device_faults.py",
+        &[
+            Because("no wait: the time for which a host hangs, longer than the dead man's"),
+            Because("the same"),
+            Polls,
+            Because("no wait: the time in which the dead man stops the device"),
+        ],
+    ),
+    (
+        "tests/python/test_device_threads.py",
+        &[
+            Because(
+                "no wait: another thread is usually inside the call by then; before it the outcome must be the same",
+            ),
+            Because("the same"),
+            Because("no wait: a random moment of a disturbance"),
+        ],
+    ),
     ("tests/protocol/device_case.py", &[Polls]),
     ("tests/protocol/server.py", &[Polls]),
     (

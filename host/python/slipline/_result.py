@@ -42,8 +42,8 @@ class Result:
         return _shown.table(self.__dict__)
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields as plain data that ``json`` writes: arrays are lists, complex numbers ``{"re", "im"}``, and what is not a number
-        is ``None``."""
+        """The fields as plain data that ``json`` writes: arrays are lists, complex numbers ``{"re", "im"}``, NaN and infinity
+        ``None``."""
         plain: dict[str, Any] = _shown.plain(self.__dict__)
         return plain
 

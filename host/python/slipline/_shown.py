@@ -43,7 +43,7 @@ def _number(value: Any) -> str:
 
 
 def plain(value: Any) -> Any:
-    """Plain data that ``json`` writes: lists, complex numbers as ``{"re", "im"}``, and ``None`` for what is not a number."""
+    """Plain data that ``json`` writes: lists, complex numbers as ``{"re", "im"}``, and ``None`` for NaN and infinity."""
     if isinstance(value, np.ndarray):
         return plain(value.tolist())
     if isinstance(value, (list, tuple)):

@@ -127,8 +127,10 @@ impl ArrayLike<'_> {
                 );
             }
             count if count > most => {
-                let (message, range) =
-                    (format!("{name} of {count} numbers: must be 1 to {most} of them"), (1.0, most as f64));
+                let (message, range) = (
+                    must_be(format_args!("{name} of {count} numbers"), format_args!("1 to {most} of them")),
+                    (1.0, most as f64),
+                );
                 return Err(Failure::OutOfRange {
                     message,
                     field: name.to_owned(),
@@ -239,8 +241,10 @@ where
     let mut items = Vec::new();
     for item in given.try_iter().map_err(|_| wrong(given))? {
         if items.len() == most {
-            let (message, range) =
-                (format!("more than {most} {name}: must be at most {most}"), (0.0, most as f64));
+            let (message, range) = (
+                must_be(format_args!("more than {most} {name}"), format_args!("at most {most}")),
+                (0.0, most as f64),
+            );
             let value = most as f64 + 1.0;
             return Err(Failure::OutOfRange { message, field: name.to_owned(), value, range }.into());
         }
@@ -263,14 +267,6 @@ impl<'py> Item<'py> for Bound<'py, PyDict> {
 
     fn of(given: &Bound<'py, PyAny>) -> Option<Self> {
         given.cast::<PyDict>().ok().cloned()
-    }
-}
-
-impl<'py> Item<'py> for Bound<'py, crate::measurement::Measurement> {
-    const WORDS: &'static str = "Measurement";
-
-    fn of(given: &Bound<'py, PyAny>) -> Option<Self> {
-        given.cast::<crate::measurement::Measurement>().ok().cloned()
     }
 }
 

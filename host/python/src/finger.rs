@@ -26,7 +26,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for FingerArgument {
 
     fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         let wrong = || Failure::wrong_arguments(format_args!("finger = {}", *given), FINGERS);
-        // One more than there may be shows that there are too many.
+        // Of five values one is too many.
         let values = given.try_iter().map_err(|_| wrong())?.take(5).collect::<PyResult<Vec<_>>>()?;
         let number = |value: &Bound<'py, PyAny>| value.extract::<f64>().map_err(|_| wrong());
         let finger = match &values[..] {

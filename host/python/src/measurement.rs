@@ -1,6 +1,6 @@
 //! The class `Measurement`: the response of a sensor at one place, over frequency.
 
-use crate::arguments::{ArrayLike, in_range};
+use crate::arguments::{ArrayLike, Item, in_range};
 use crate::error::Failure;
 use crate::plate::{Plate, check_length};
 use numpy::{Complex64, PyArray1};
@@ -42,6 +42,14 @@ impl From<slipline_plate::calibrate::Measurement> for Measurement {
 impl Measurement {
     fn column<'py>(&self, py: Python<'py>, of: impl Fn(&MeasuredPoint) -> f64) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, self.inner.points.iter().map(of).collect())
+    }
+}
+
+impl<'py> Item<'py> for Bound<'py, Measurement> {
+    const WORDS: &'static str = "Measurement";
+
+    fn of(given: &Bound<'py, PyAny>) -> Option<Self> {
+        given.cast::<Measurement>().ok().cloned()
     }
 }
 

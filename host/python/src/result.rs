@@ -14,6 +14,7 @@ use pyo3::types::{PyComplex, PyDict, PyList};
 use pyo3::{Borrowed, type_hint_identifier, type_hint_subscript};
 use serde::Serialize;
 use serde_json::{Map, Value};
+use slipline_plate::quantity::must_be;
 use std::marker::PhantomData;
 
 /// The class of a result.
@@ -116,7 +117,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for ResultArgument<'py> {
 
     fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         let found = Self::of(&given)?;
-        found.ok_or_else(|| PyTypeError::new_err(format!("{}: must be a result of a call", *given)))
+        found.ok_or_else(|| PyTypeError::new_err(must_be(&*given, "a result of a call")))
     }
 }
 

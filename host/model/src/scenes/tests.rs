@@ -25,12 +25,15 @@ fn contrast_db(scene: &Scene) -> (f64, bool) {
 }
 
 #[test]
-fn every_scene_has_its_edge_on_the_plate_and_the_first_is_the_crispest_of_one_tone() {
+fn every_scene_has_its_edge_on_the_plate_and_one_tone_has_a_crisp_one() {
     let alone = SCENES.iter().filter(|scene| scene.tones.len() == 1);
     let contrasts: Vec<(f64, bool)> = alone.map(contrast_db).collect();
     let (first_db, is_clear) = contrasts[0];
     assert!(first_db > 40.0 && is_clear, "{contrasts:?}");
-    assert!(contrasts.iter().all(|(contrast_db, _)| *contrast_db <= first_db), "{contrasts:?}");
+    assert!(
+        contrasts.iter().all(|(contrast_db, is_clear)| *contrast_db > 38.0 && *is_clear),
+        "{contrasts:?}"
+    );
 }
 
 /// Its line can be put on 27 to 94 % of its length.

@@ -114,7 +114,9 @@ fn syntax(text: &str, fault: &toml::de::Error) -> SetupFileError {
     let start = fault.span().map_or(0, |span| span.start.min(text.len()));
     let line = text.as_bytes()[..start].iter().filter(|&&byte| byte == b'\n').count() + 1;
     // A field of a plate has words for what it must be.
-    let message = match Plate::from_toml(&plate_lines(text)) {
+    let is_setup = text.lines().any(|line| line.trim_start().starts_with("[plate"));
+    let of_plate = if is_setup { plate_lines(text) } else { text.to_owned() };
+    let message = match Plate::from_toml(&of_plate) {
         Err(PlateFileError::Syntax { line: of_plate, message }) if of_plate == line => message,
         _ => fault.message().trim().to_owned(),
     };

@@ -1,59 +1,24 @@
 //! Drives: tones by their places, and textures.
 
-use super::step::{Prepared, Step};
+use super::step::{Prepared, Step, check_glide};
 use super::wait::{Limits, sample_index};
-use super::{ANY, Device, lock};
-use crate::arguments::in_range;
+use super::{Device, lock};
 use crate::error::Failure;
-use crate::options::Options;
-use crate::place::{LEVEL, at_most_one};
 use crate::result::Answer;
 use crate::result::kind::Drive;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::PyString;
 use pyo3::{Borrowed, type_hint_identifier, type_hint_union};
 use serde_json::{Map, Value};
 use slipline_instrument::native::{Client, ClientError, InterruptibleLink, TimedDrive};
 use slipline_instrument::requests::ToneRequest;
 use slipline_link::Sounding;
 use slipline_link::protocol::command::Apply;
-use slipline_model::setup::{GLIDE_RANGE_S, Setup};
+use slipline_model::setup::Setup;
 use slipline_model::texture::{chord_of, setup_of, sounding};
-use slipline_plate::quantity::Range;
 use slipline_plate::texture::TextureTone;
 use std::sync::Arc;
-
-/// The tone of these places, if one of them is given.
-pub(super) fn asked_tone(
-    felt_edge_m: Option<f64>,
-    turning_point_m: Option<f64>,
-    frequency_hz: Option<f64>,
-    level: f64,
-) -> Result<Option<ToneRequest>, Failure> {
-    in_range("level", level, LEVEL)?;
-    let asked = at_most_one(felt_edge_m, turning_point_m, frequency_hz)?;
-    Ok(asked.map(|asked| ToneRequest { asked, level }))
-}
-
-/// A further tone: a dictionary of a place and a level, which is that of the drive by default.
-pub(super) fn further_tone(tone: &Bound<'_, PyDict>, level: f64) -> PyResult<ToneRequest> {
-    let mut options = Options::new("drive", Some(tone))?;
-    let places = ["felt_edge_m", "turning_point_m", "frequency_hz"];
-    let [felt_edge_m, turning_point_m, frequency_hz] = places.map(|name| options.number(name, ANY));
-    let level = options.number("level", LEVEL)?.unwrap_or(level);
-    options.end()?;
-    let tone = asked_tone(felt_edge_m?, turning_point_m?, frequency_hz?, level)?;
-    let none =
-        || Failure::wrong_arguments("a tone of drive()", "a dictionary such as {\"felt_edge_m\": 0.2}");
-    Ok(tone.ok_or_else(none)?)
-}
-
-/// Refuses a duration of a change.
-pub(super) fn check_glide(glide_s: f64) -> Result<(), Failure> {
-    let (low_s, high_s) = GLIDE_RANGE_S;
-    in_range("glide_s", glide_s, Range::new(low_s, high_s, "s"))
-}
 
 /// When a drive begins: a sample index, or with the trigger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

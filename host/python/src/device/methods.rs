@@ -1,8 +1,8 @@
 //! What Python calls on a device.
 
-use super::drive::{At, asked_tone, further_tone};
+use super::drive::At;
 use super::measure::{Band, Circuit, Wish};
-use super::step::Step;
+use super::step::{Step, asked_tone, further_tone};
 use super::wait::{Awaited, Limits, SampleIndex};
 use super::{Block, Device, Loaded, closed, lock, may_be_armed, take_signal};
 use crate::arguments::items;

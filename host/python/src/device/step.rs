@@ -1,12 +1,11 @@
 //! A step of a drive: its tones and their glide, made for the plate in use, and its answer.
 
-use super::drive::{asked_tone, check_glide, further_tone};
 use super::wait::sample_index;
 use super::{ANY, Loaded};
-use crate::arguments::items;
+use crate::arguments::{in_range, items};
 use crate::error::Failure;
 use crate::options::Options;
-use crate::place::{LEVEL, no_such_tone};
+use crate::place::{LEVEL, at_most_one, no_such_tone};
 use crate::result::fields;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -18,14 +17,45 @@ use slipline_link::protocol::limits::MAX_TONES;
 use slipline_link::{Snapshot, Sounding};
 use slipline_model::answer::ToneAnswer;
 use slipline_model::field::tone_places::TonePlaces;
-use slipline_model::setup::{Setup, edit};
-use slipline_plate::quantity::{Count, Counted, must_be};
+use slipline_model::setup::{GLIDE_RANGE_S, Setup, edit};
+use slipline_plate::quantity::{Count, Counted, Range, must_be};
 use std::sync::Arc;
 
 /// The level of a tone that has none of its own.
 const USUAL_LEVEL: f64 = 0.8;
 /// The duration of a change that has none of its own.
 const USUAL_GLIDE_S: f64 = 0.02;
+
+/// The tone of these places, if one of them is given.
+pub(super) fn asked_tone(
+    felt_edge_m: Option<f64>,
+    turning_point_m: Option<f64>,
+    frequency_hz: Option<f64>,
+    level: f64,
+) -> Result<Option<ToneRequest>, Failure> {
+    in_range("level", level, LEVEL)?;
+    let asked = at_most_one(felt_edge_m, turning_point_m, frequency_hz)?;
+    Ok(asked.map(|asked| ToneRequest { asked, level }))
+}
+
+/// A further tone: a dictionary of a place and a level, which is that of the drive by default.
+pub(super) fn further_tone(tone: &Bound<'_, PyDict>, level: f64) -> PyResult<ToneRequest> {
+    let mut options = Options::new("drive", Some(tone))?;
+    let places = ["felt_edge_m", "turning_point_m", "frequency_hz"];
+    let [felt_edge_m, turning_point_m, frequency_hz] = places.map(|name| options.number(name, ANY));
+    let level = options.number("level", LEVEL)?.unwrap_or(level);
+    options.end()?;
+    let tone = asked_tone(felt_edge_m?, turning_point_m?, frequency_hz?, level)?;
+    let none =
+        || Failure::wrong_arguments("a tone of drive()", "a dictionary such as {\"felt_edge_m\": 0.2}");
+    Ok(tone.ok_or_else(none)?)
+}
+
+/// Refuses a duration of a change.
+pub(super) fn check_glide(glide_s: f64) -> Result<(), Failure> {
+    let (low_s, high_s) = GLIDE_RANGE_S;
+    in_range("glide_s", glide_s, Range::new(low_s, high_s, "s"))
+}
 
 /// Tones, none for silence, and how long the change to them takes.
 pub(super) struct Step {

@@ -3,7 +3,7 @@
 use crate::painter::Painter;
 use crate::real_device;
 use crate::test_app::{TestApp, click, opened};
-use eframe::egui::{Color32, Key, Rect, Theme, Vec2, pos2, vec2};
+use eframe::egui::{Color32, Key, Theme, Vec2, vec2};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::Request;
