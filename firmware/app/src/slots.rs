@@ -24,7 +24,7 @@ pub struct TableRef {
     pub knots: u16,
 }
 
-/// The name of a slot: one of the two tables, or of the two motions of the mailbox.
+/// The name of a slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SlotIndex {
     /// The first.
@@ -41,14 +41,6 @@ impl SlotIndex {
         match self {
             Self::First => Self::Second,
             Self::Second => Self::First,
-        }
-    }
-
-    /// Its element of a pair.
-    pub(crate) const fn of<T>(self, [first, second]: &[T; 2]) -> &T {
-        match self {
-            Self::First => first,
-            Self::Second => second,
         }
     }
 }
@@ -105,17 +97,23 @@ impl Table<'_> {
 }
 
 /// Both slots: 18 KiB.
-pub struct TableSlots([Slot; 2]);
+pub struct TableSlots {
+    first: Slot,
+    second: Slot,
+}
 
 impl TableSlots {
     /// Both empty.
     #[must_use]
     pub const fn new() -> Self {
-        Self([const { Slot::new() }; 2])
+        Self { first: Slot::new(), second: Slot::new() }
     }
 
     const fn slot(&self, index: SlotIndex) -> &Slot {
-        index.of(&self.0)
+        match index {
+            SlotIndex::First => &self.first,
+            SlotIndex::Second => &self.second,
+        }
     }
 
     /// The knot at `index`; the default beyond the slot's end.

@@ -24,7 +24,7 @@ use slipline_protocol::units::{CentiDecibel, Gain, SampleIndex};
 
 use super::Controller;
 use super::listening::{check_input, existing};
-use crate::listening::hold::{Hold, LoopSetting, Octaves, SettingError, ToneToHold};
+use crate::listening::hold::{Hold, Limit, LoopSetting, LoopState, Loss, Octaves, SettingError, ToneToHold};
 use crate::mailbox::{Course, Mailbox};
 use crate::ports::{FlashPages, System};
 use crate::range::in_range;
@@ -299,7 +299,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             };
             let correction = centi_decibel(correction);
             // There is room for all slots.
-            let _ = tones.push(wire::HeldTone { slot: number, state, correction, amplitude });
+            let _ = tones.push(wire::HeldTone { slot: number, state: on_wire(state), correction, amplitude });
         }
         Ok(Event::Held(Held {
             progress: holding.progress,
@@ -335,6 +335,29 @@ fn refusal(error: SettingError) -> Refusal {
         SettingError::Level { slot } => Refusal::SilentTone { slot },
         // Checked before, by the fields of the message.
         SettingError::Period { .. } | SettingError::MaxRise | SettingError::Slew => Refusal::Malformed,
+    }
+}
+
+const fn on_wire(state: LoopState) -> wire::HoldState {
+    match state {
+        LoopState::Settling => wire::HoldState::Settling,
+        LoopState::Held => wire::HoldState::Held,
+        LoopState::AtLimit(limit) => wire::HoldState::AtLimit(match limit {
+            Limit::Rise => wire::HoldLimit::Rise,
+            Limit::Level => wire::HoldLimit::Level,
+            Limit::Headroom => wire::HoldLimit::Headroom,
+            Limit::Thermal => wire::HoldLimit::Thermal,
+            Limit::Travel => wire::HoldLimit::Travel,
+            Limit::Fall => wire::HoldLimit::Fall,
+        }),
+        LoopState::Lost(loss) => wire::HoldState::Lost(match loss {
+            Loss::NotFollowed => wire::HoldLoss::NotFollowed,
+            Loss::TooWeak => wire::HoldLoss::TooWeak,
+            Loss::Clipped => wire::HoldLoss::Clipped,
+            Loss::Stuck => wire::HoldLoss::Stuck,
+            Loss::Broken => wire::HoldLoss::Broken,
+            Loss::AtRise => wire::HoldLoss::AtRise,
+        }),
     }
 }
 

@@ -56,8 +56,54 @@ pub use self::octaves::Octaves;
 pub use self::setting::{LoopSetting, MAX_AMPLITUDE, MIN_AMPLITUDE, SettingError, ToneToHold};
 use self::tone::Tone;
 use slipline_dds::bank::TONES;
-pub use slipline_protocol::hold::{HoldLimit as Limit, HoldLoss as Loss, HoldState as LoopState};
 use slipline_protocol::units::Gain;
+
+/// The limit that keeps a tone from rising or falling further.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// [`LoopSetting::max_rise`].
+    Rise,
+    /// Level 1.
+    Level,
+    /// The sum of all tones is full scale.
+    Headroom,
+    /// The thermal limit.
+    Thermal,
+    /// The travel limit.
+    Travel,
+    /// The lowest level: 60 dB below the table's.
+    Fall,
+}
+
+/// Why a tone was lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Loss {
+    /// It was silent for a while, or its phase jumped.
+    NotFollowed,
+    /// Its answer stays below a quarter of the set value: the sensor is unplugged, or the plate is held fast.
+    TooWeak,
+    /// A code of the input was at an end of its range.
+    Clipped,
+    /// All codes of the input were the same.
+    Stuck,
+    /// Samples of the window were lost.
+    Broken,
+    /// It has been [at its largest rise](Limit::Rise) for [`LoopSetting::at_rise`]: the sensor has slipped.
+    AtRise,
+}
+
+/// State of a held tone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoopState {
+    /// It is on its way to the set amplitude.
+    Settling,
+    /// It is within 1 dB of it.
+    Held,
+    /// It is further off, and a limit keeps it there.
+    AtLimit(Limit),
+    /// It is no longer held and has the table's level.
+    Lost(Loss),
+}
 
 /// The allowed rise above the levels in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,6 @@ use super::{Pending, Report, Stop};
 use crate::digest::DigestState;
 use crate::motion::outline::Outline;
 use crate::safety::faults::FaultLatch;
-use crate::slots::SlotIndex;
 
 /// The lease of a device that was armed without one.
 pub(super) const NO_LEASE: u64 = u64::MAX;
@@ -22,7 +21,7 @@ pub(super) struct Shared {
     /// The outlines of the two motions, in force and pending.
     pub(super) outlines: [Cell<Outline>; 2],
     /// Which of the two motions is in force; the other one is pending or spare.
-    pub(super) live: Cell<SlotIndex>,
+    pub(super) live: Cell<Which>,
     /// Number of changes of the motion in force.
     pub(super) changes: Cell<u32>,
     /// The renderer is writing the trajectories of the motion in force.
@@ -55,13 +54,37 @@ pub(super) struct Shared {
     pub(super) listening: Listening,
 }
 
+/// One of the two motions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Which {
+    First,
+    Second,
+}
+
+impl Which {
+    pub(super) const fn other(self) -> Self {
+        match self {
+            Self::First => Self::Second,
+            Self::Second => Self::First,
+        }
+    }
+
+    /// Its element of a pair.
+    pub(super) const fn of<T>(self, [first, second]: &[T; 2]) -> &T {
+        match self {
+            Self::First => first,
+            Self::Second => second,
+        }
+    }
+}
+
 impl Shared {
     /// Silent, disarmed, at index 0.
     pub(super) const fn new() -> Self {
         Self {
             next: Cell::new(0),
             outlines: [const { Cell::new(Outline::SILENT) }; 2],
-            live: Cell::new(SlotIndex::First),
+            live: Cell::new(Which::First),
             changes: Cell::new(0),
             is_fading: Cell::new(false),
             is_publishing: Cell::new(false),

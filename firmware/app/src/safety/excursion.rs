@@ -37,14 +37,15 @@ use crate::slots::{SlotIndex, TableRef, TableSlots, knots_between};
 pub struct Excursion {
     sample_rate_hz: u32,
     limit: Option<(TravelLimit, Law)>,
-    groups: [Groups; 2],
+    first: Groups,
+    second: Groups,
 }
 
 impl Excursion {
     /// Without a limit, at a sample rate in Hz.
     #[must_use]
     pub const fn unlimited(sample_rate_hz: u32) -> Self {
-        Self { sample_rate_hz, limit: None, groups: [Groups::NONE; 2] }
+        Self { sample_rate_hz, limit: None, first: Groups::NONE, second: Groups::NONE }
     }
 
     /// The limit in force.
@@ -100,10 +101,9 @@ impl Excursion {
     }
 
     const fn groups_of(&mut self, slot: SlotIndex) -> &mut Groups {
-        let [first, second] = &mut self.groups;
         match slot {
-            SlotIndex::First => first,
-            SlotIndex::Second => second,
+            SlotIndex::First => &mut self.first,
+            SlotIndex::Second => &mut self.second,
         }
     }
 
@@ -151,8 +151,12 @@ impl Excursion {
             }
             SettingTrajectory::Along if tone.from == tone.to => at(slots.evaluate(table, tone.to)),
             SettingTrajectory::Along => {
+                let groups = match table.slot {
+                    SlotIndex::First => &self.first,
+                    SlotIndex::Second => &self.second,
+                };
                 let (first, last) = knots_between(table, tone.from, tone.to);
-                table.slot.of(&self.groups).largest(first.into(), last.into())
+                groups.largest(first.into(), last.into())
             }
             SettingTrajectory::Join { step_upper, gain, .. } => {
                 let ends = [tone.from, tone.to].map(|place| upper_half(slots.evaluate(table, place)));

@@ -333,15 +333,11 @@ fn a_way_is_judged_by_all_intervals_that_it_touches_whatever_came_first() {
     for (first, end) in (0..16).map(|first| (first, first + 1)).chain([(16, 23), (23, TABLE.knots)]) {
         in_chunks.written(TableRef { knots: end, ..TABLE }, first, &bench.slots);
     }
-    let largest: Vec<f32> =
-        [&bench.excursion, &in_chunks].iter().map(|it| it.groups[0].largest(0, 32)).collect();
+    let largest: Vec<f32> = [&bench.excursion, &in_chunks].iter().map(|it| it.first.largest(0, 32)).collect();
     assert_eq!(largest[0], largest[1]);
     for first in 0..32 {
         for last in first + 1..=32 {
-            assert_eq!(
-                bench.excursion.groups[0].largest(first, last),
-                in_chunks.groups[0].largest(first, last)
-            );
+            assert_eq!(bench.excursion.first.largest(first, last), in_chunks.first.largest(first, last));
         }
     }
     assert!((largest[0] - 5.0).abs() < 0.03, "{largest:?}");
