@@ -167,10 +167,14 @@ fn a_signal_stops_and_disarms_the_device() {
             let line = socket.line.lock().unwrap();
             let driven = line.sent.iter().rposition(|sent| matches!(sent, Message::Drive(_))).unwrap();
             let afterwards = &line.sent[driven + 1..];
-            let last = |is_it: fn(&Message) -> bool| afterwards.iter().rposition(is_it);
-            let stopped = last(|sent| matches!(sent, Message::Stop));
-            let disarmed = last(|sent| matches!(sent, Message::Disarm));
+            let stopped = afterwards.iter().position(|sent| matches!(sent, Message::Stop));
+            let disarmed = afterwards.iter().rposition(|sent| matches!(sent, Message::Disarm));
             assert!(stopped.is_some() && stopped < disarmed, "{command} {option}: {afterwards:?}");
+            // verify notices the stop by itself and sends its own, before the disarming or after it; nothing arms again.
+            assert!(
+                !afterwards.iter().any(|sent| matches!(sent, Message::Arm | Message::ArmFor(_))),
+                "{command} {option}"
+            );
             // It ends then without waiting; a wait would show as further keep-alives.
             let kept =
                 afterwards[disarmed.unwrap()..].iter().filter(|sent| matches!(sent, Message::KeepAlive(_)));
