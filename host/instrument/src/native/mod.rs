@@ -6,6 +6,7 @@ mod error;
 mod hold;
 mod interruptible;
 mod measurer;
+mod procedures;
 mod sender;
 mod wait;
 

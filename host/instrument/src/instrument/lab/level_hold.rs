@@ -1,7 +1,7 @@
 //! The level hold: the user's switch, and the user's actions that end it. The requests to the device are in
 //! [`Holding`].
 
-use super::{Lab, Reach, is_at_bench};
+use super::{LOOK, Lab, Reach, is_at_bench};
 use crate::hold::{HoldEnd, Holding, Standing, USUAL_RISE_DB};
 use crate::instrument::outbox::Outbox;
 use crate::instrument::shell::Attention;
@@ -9,10 +9,6 @@ use crate::instrument::shown::HoldScene;
 use slipline_link::{Severity, Snapshot};
 use slipline_plate::{Finger, Plate};
 use std::sync::Arc;
-use std::time::Duration;
-
-/// Time between two updates of its state.
-const LOOK: Duration = Duration::from_millis(50);
 
 /// The state of the level hold.
 pub(super) struct LevelHold {

@@ -3,7 +3,7 @@
 
 use super::rig::Rig;
 use super::signal::{Looks, SENSOR_INPUT};
-use super::{Lab, MeasureDraft, Reach, is_at_bench};
+use super::{LOOK, Lab, MeasureDraft, Reach, is_at_bench};
 use crate::hold::HoldEnd;
 use crate::instrument::drive::Obstacle;
 use crate::instrument::shown::{LiveScene, Progress};
@@ -17,10 +17,6 @@ use slipline_plate::Plate;
 use slipline_plate::calibrate::DriveCheck;
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;
-use std::time::Duration;
-
-/// Time between two updates of the progress.
-const LOOK: Duration = Duration::from_millis(50);
 
 /// What is said after a measurement that has ended a drive: nothing but a press of Drive starts it again.
 const DRIVE_ENDED: &str = " The drive was stopped for it: press Drive to resume.";
@@ -94,7 +90,7 @@ impl Live {
 
 /// Why the device cannot carry out a measurement now.
 #[derive(Debug, thiserror::Error)]
-enum MeasuringRefused {
+pub(super) enum MeasuringRefused {
     #[error(transparent)]
     NoDrive(#[from] Obstacle),
     #[error("This device has no input for a sensor: its board or its firmware has none.")]

@@ -31,7 +31,11 @@ use slipline_link::{Port, Snapshot, Ticket};
 use slipline_plate::calibrate::Measurement;
 use slipline_plate::{Finger, Plate};
 use std::sync::Arc;
+use std::time::Duration;
 use verification::Verification;
+
+/// Time between two updates of what runs.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// Measurements of the plate, and what needs its sensor.
 pub(crate) struct Lab {

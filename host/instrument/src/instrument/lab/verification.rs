@@ -1,18 +1,16 @@
 //! The comparison of the device's codes with the mirror's, as `slipline verify` makes it. What ends a measurement ends it, too.
 
-use super::Reach;
+use super::measuring::MeasuringRefused;
+use super::{LOOK, Reach};
 use crate::instrument::shown::Progress;
 use crate::measure::{MeasureError, Run, Verified, VerifiedWindow, Verifying};
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_link::{Severity, Ticket};
 use slipline_plate::Plate;
 use std::sync::Arc;
-use std::time::Duration;
 
 /// Length of each window of codes, in seconds.
 const WINDOW_S: f64 = 0.1;
-/// Time between two updates of the progress.
-const LOOK: Duration = Duration::from_millis(50);
 
 /// The comparison under way, and the plate whose table it uses.
 #[derive(Default)]
@@ -21,12 +19,12 @@ pub(super) struct Verification(Option<(Run<Verifying>, Arc<Plate>)>);
 impl Verification {
     /// Whether it can begin: the device may drive, and holds the table of this plate. Otherwise reports the obstacle.
     pub(super) fn may_begin(reach: &mut Reach<'_>) -> bool {
-        let obstacle = reach.drive.obstacle().map(|obstacle| obstacle.to_string());
-        let missing = (!reach.drive.is_table_there()).then(|| {
-            "The device does not hold this plate's table yet: wait for it, or upload it.".to_owned()
-        });
-        let Some(obstacle) = obstacle.or(missing) else { return true };
-        reach.out.hinder(obstacle);
+        let obstacle = match reach.drive.obstacle() {
+            Some(obstacle) => obstacle.into(),
+            None if !reach.drive.is_table_there() => MeasuringRefused::NoTable,
+            None => return true,
+        };
+        reach.out.hinder(obstacle.to_string());
         false
     }
 
