@@ -99,7 +99,7 @@ def test_one_thread_and_two_have_the_same_bits(here: xarray.Dataset, tmp_path: P
     allowed = os.sched_getaffinity(0)
     try:
         os.sched_setaffinity(0, {min(allowed)})
-        assert slipline._study_workers.ThreadWorkers(slipline.study._Study(slipline.study._text(SPEC))).count() == 1
+        assert slipline._study_workers.ThreadWorkers(slipline.study._Study(slipline.study.spec_text(SPEC))).count() == 1
         one = slipline.study.run(SPEC, store=tmp_path / "one.zarr", chunk=50)
     finally:
         os.sched_setaffinity(0, allowed)
@@ -201,7 +201,7 @@ def test_what_is_wrong_with_a_specification_is_named(tmp_path: Path) -> None:
         slipline.study.run(tmp_path / "none.toml", store=tmp_path / "store")
     assert not list(tmp_path.iterdir())
     fields = {"third": 1 / 3, "small": [5e-324, -0.0, 3], 'a "b\\c"\t\x7f': {"x.y": True}, "none": []}
-    assert tomllib.loads(slipline.study._text(fields)) == fields
+    assert tomllib.loads(slipline.study.spec_text(fields)) == fields
     # A plate as an object, numbers of numpy.
     named = slipline.Plate.from_toml(slipline.Plate("membrane").to_toml().replace('"membrane"', r'"a \"b\\c\""', 1))
     fields = {**SPEC, "plate": named, "count": np.int64(1), "turning_point_m": np.array(SPEC["turning_point_m"])}
@@ -252,7 +252,7 @@ def test_a_chunk_that_was_written_in_part_is_computed_again(here: xarray.Dataset
             setitem(array, place, values)
 
         store = tmp_path / f"{whole}.zarr"
-        slipline._study_store._make(store, slipline.study._Study(slipline.study._text(many(20))), CHUNK)
+        slipline._study_store._make(store, slipline.study._Study(slipline.study.spec_text(many(20))), CHUNK)
         with monkeypatch.context() as patched:
             patched.setattr(zarr.Array, "__setitem__", interrupted)
             with pytest.raises(KeyboardInterrupt):

@@ -9,7 +9,6 @@ import hashlib
 import os
 import shutil
 import warnings
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,33 +17,25 @@ import numpy as np
 from ._slipline import VERSION, _Study
 from .errors import BadFile
 
-# Arrays of the results, in the order in which a range has them after its status and its fields.
-_RESULTS = {
-    "turning_point_shift_m": {
-        "long_name": "distance of the turning point from its place on the nominal plate, by the same tone",
-        "units": "m",
-    },
-    "level_db": {"long_name": "peak over the nominal plate's peak, by the same tone", "units": "dB"},
-}
-
-
 class StudyStore:
     """An open store."""
 
     def __init__(self, path: Path, group: Any, study: _Study) -> None:
         self._path, self._group = path, group
         self._varied = [name for name, _ in study.varied]
+        self._results = [name for name, _, _ in study.results]
+        self._worker_failed = study.meanings.index("worker_failed")
         self.count = study.count
 
     @classmethod
-    def open(cls, path: Path, study: _Study, chunk: int | None, plates_of_a_chunk: Callable[[], int]) -> StudyStore:
-        """Opens the store of a study, or makes it; ``chunk`` or else ``plates_of_a_chunk()`` fixes the chunk of a new one.
+    def open(cls, path: Path, study: _Study, chunk: int | None, usual_chunk: int) -> StudyStore:
+        """Opens the store of a study, or makes it; ``chunk`` or else ``usual_chunk`` fixes the chunk of a new one.
 
         Raises ``BadFile`` if it is that of another study.
         """
         zarr = _zarr()
         if not path.exists():
-            _make(path, study, chunk or plates_of_a_chunk())
+            _make(path, study, chunk or usual_chunk)
         try:
             group = zarr.open_group(path, mode="r+")
             kept = dict(group.attrs)
@@ -59,8 +50,9 @@ class StudyStore:
         return cls(path, group, study)
 
     def due(self) -> list[tuple[int, int]]:
-        """The ranges that have no results yet, as (first, end)."""
+        """The ranges that have no results yet, as (first, end); with those at which a worker has failed."""
         status = self._group["status"][:]
+        status = np.where(status == self._worker_failed, 0, status)
         step = int(self._group["status"].chunks[0])
         spans = [(first, min(first + step, self.count)) for first in range(0, self.count, step)]
         return [(first, end) for first, end in spans if not status[first:end].all()]
@@ -68,18 +60,23 @@ class StudyStore:
     def write(self, span: tuple[int, int], results: Any) -> None:
         """Writes the results of a range, its status last."""
         plates = slice(*span)
-        status, varied, *arrays = results
+        status, varied, arrays = results
         for name, column in zip(self._varied, varied.T):
             self._group[name][plates] = column
-        for name, array in zip(_RESULTS, arrays):
+        for name, array in zip(self._results, arrays):
             self._group[name][plates] = array
         self._group["status"][plates] = status
+
+    def write_failed(self, span: tuple[int, int]) -> None:
+        """Writes that the workers have failed at a range; its numbers stay NaN."""
+        self._group["status"][slice(*span)] = self._worker_failed
 
     def dataset(self) -> Any:
         """The store as an ``xarray.Dataset``."""
         import xarray
 
-        return xarray.open_zarr(self._path)
+        # A store of an earlier version does not say that the places are coordinates.
+        return xarray.open_zarr(self._path).set_coords("place_m")
 
 
 def _attributes(study: _Study) -> dict[str, str]:
@@ -123,7 +120,9 @@ def _make(path: Path, study: _Study, chunk: int) -> None:
         array("status", plates, "int8", 0, {"long_name": "whether a plate has results, and why not", **flags})
         place = {"long_name": "turning point on the nominal plate, from the driven end", "units": "m"}
         array("place_m", places, "float64", np.nan, place)[:] = np.array(study.place_m)
-        for name, attributes in _RESULTS.items():
+        for name, unit, meaning in study.results:
+            # As of CF: xarray then makes it a coordinate.
+            attributes = {"long_name": meaning, "units": unit, "coordinates": "place_m"}
             array(name, plates | places, "float64", np.nan, attributes)
         for name, field in study.varied:
             array(name, plates, "float64", np.nan, {"long_name": f"{field} of the plate file, in its unit"})
