@@ -7,6 +7,7 @@ mod hold;
 mod interruptible;
 mod measurer;
 mod sender;
+mod trimming;
 mod wait;
 
 pub use arming::ArmingConsent;
@@ -15,3 +16,4 @@ pub use error::{ClientError, StandingFaults};
 pub use interruptible::InterruptibleLink;
 pub use measurer::Measurer;
 pub use sender::TimedDrive;
+pub use trimming::{LaterAnswer, TRIM_S, TrimAnswer, TrimmedAnswer, Trimming};
