@@ -1,6 +1,9 @@
 """The store of a study: a Zarr folder that plain xarray opens, and in which the same study goes on.
 
 A chunk of the store is a chunk of the study. Its ``status`` is written last, so that a chunk with a status is whole.
+
+Chunks are not compressed: random numbers do not get smaller. Such a chunk is a file of its numbers, and is written as that; by zarr it
+would cost as much of the one thread that writes as its plates cost the others.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ class StudyStore:
         self._varied = [name for name, _ in study.varied]
         self._results = [name for name, _, _ in study.results]
         self._worker_failed = study.meanings.index("worker_failed")
+        self._arrays = {name: group[name] for name in [*self._varied, *self._results, "status"]}
         self.count = study.count
 
     @classmethod
@@ -59,17 +63,32 @@ class StudyStore:
 
     def write(self, span: tuple[int, int], results: Any) -> None:
         """Writes the results of a range, its status last."""
-        plates = slice(*span)
         status, varied, arrays = results
         for name, column in zip(self._varied, varied.T):
-            self._group[name][plates] = column
+            self._put(name, span, column)
         for name, array in zip(self._results, arrays):
-            self._group[name][plates] = array
-        self._group["status"][plates] = status
+            self._put(name, span, array)
+        self._put("status", span, status)
 
     def write_failed(self, span: tuple[int, int]) -> None:
         """Writes that the workers have failed at a range; its numbers stay NaN."""
-        self._group["status"][slice(*span)] = self._worker_failed
+        self._put("status", span, np.full(span[1] - span[0], self._worker_failed, np.int8))
+
+    def _put(self, name: str, span: tuple[int, int], values: Any) -> None:
+        """Writes the chunk of an array."""
+        array = self._arrays[name]
+        if array.compressors or array.shards:
+            # As of a store of an earlier version.
+            array[slice(*span)] = values
+            return
+        # The file of the Zarr specification 3: c/i or c/i/0, little-endian, row by row, the last chunk as large as the others.
+        chunk = np.full(array.chunks, array.fill_value, array.dtype.newbyteorder("<"))
+        chunk[: span[1] - span[0]] = values
+        file = self._path.joinpath(name, "c", str(span[0] // array.chunks[0]), *["0"] * (array.ndim - 1))
+        file.parent.mkdir(parents=True, exist_ok=True)
+        part = file.with_name(f"{file.name}.part")
+        part.write_bytes(chunk.tobytes())
+        part.replace(file)
 
     def dataset(self) -> Any:
         """The store as an ``xarray.Dataset``."""
@@ -110,6 +129,7 @@ def _make(path: Path, study: _Study, chunk: int) -> None:
                 name,
                 shape=tuple(dimensions.values()),
                 chunks=chunks,
+                compressors=None,
                 dtype=kind,
                 fill_value=fill,
                 dimension_names=tuple(dimensions),

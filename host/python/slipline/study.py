@@ -13,9 +13,9 @@ is computed. A study that was interrupted, by Ctrl-C or by a power cut, goes on 
 
 A program that names ``"local"`` needs ``if __name__ == "__main__":``, as any program of several processes.
 
-With ``kind = "2d"`` each plate is solved in two dimensions. A chunk is one plate then, and a plate at which the workers have failed
-more than ``retries`` times is a row with the status ``worker_failed``, which the next call tries again. On a cluster with a queue of
-jobs, by ``dask-jobqueue``::
+With ``kind = "2d"`` each plate is solved in two dimensions: in milliseconds, with air in up to a second for each place. A chunk is one
+plate then, and a plate at which the workers have failed more than ``retries`` times is a row with the status ``worker_failed``, which
+the next call tries again. A worker needs 100 MB besides Dask's own memory. On a cluster with a queue of jobs, by ``dask-jobqueue``::
 
     from dask_jobqueue import SLURMCluster                                   # or PBSCluster, SGECluster ..
 

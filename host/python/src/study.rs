@@ -10,8 +10,7 @@ use slipline_model::study::{Draft, Kind, SPEC_BYTES_MAX, Spec, Status, Varied};
 use slipline_plate::quantity::{OutOfRange, Range};
 
 /// A range's results: `status` as `int8`, the fields that vary, and each result.
-type Results<'py> =
-    (Bound<'py, PyArray1<i8>>, Bound<'py, PyArray2<f64>>, Vec<Bound<'py, PyArray2<f64>>>);
+type Results<'py> = (Bound<'py, PyArray1<i8>>, Bound<'py, PyArray2<f64>>, Vec<Bound<'py, PyArray2<f64>>>);
 
 /// A study: the plates of a specification, each driven by the nominal plate's table.
 ///

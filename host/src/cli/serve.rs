@@ -76,7 +76,10 @@ pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failu
     let port = if arguments.socket.is_some() { format!("unix:{path}") } else { path.clone() };
     output::print(as_json, &json!({ "path": path, "port": port }), |out| {
         writeln!(out, "The simulated device is at {path}, for Slipline --port {port}. Ctrl-C ends it.")?;
-        writeln!(out, "Enter raises its trigger input; the lines press and release are its user button, open and close its stop input.")
+        writeln!(
+            out,
+            "Enter raises its trigger input; the lines press and release are its user button, open and close its stop input."
+        )
     })?;
     let device = RealtimeDevice::new(simulated, system_clock());
     let device = Arc::new(Mutex::new(device));

@@ -7,7 +7,8 @@ use super::{argument, output, progress};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use slipline_model::study::{
-    Chunk, Draft, Kind, SPEC_BYTES_MAX, Spec, Statistics, Status, Study, StudyResult, Summary, csv, run_in_order,
+    Chunk, Draft, Kind, SPEC_BYTES_MAX, Spec, Statistics, Status, Study, StudyResult, Summary, csv,
+    run_in_order,
 };
 use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{show_frequency, show_length, show_place};
@@ -89,10 +90,14 @@ pub(super) fn run(arguments: &StudyArguments, as_json: bool) -> Result<(), Failu
             let words = shown.iter().flat_map(|(_, result)| [heading(*result), "deviation", "5 to 95 %"]);
             let header = ["Turning point", "Frequency"].into_iter().chain(words).map(str::to_owned).collect();
             let row = |(place, (place_m, frequency_hz)): (usize, (&f64, &f64))| {
-                let cells = shown.iter().flat_map(|(number, result)| cells(*result, summary.of(*number, place)));
+                let cells =
+                    shown.iter().flat_map(|(number, result)| cells(*result, summary.of(*number, place)));
                 [show_place(*place_m), show_frequency(*frequency_hz)].into_iter().chain(cells).collect()
             };
-            output::table(out, &std::iter::once(header).chain(places().map(row)).collect::<Vec<Vec<String>>>())?;
+            output::table(
+                out,
+                &std::iter::once(header).chain(places().map(row)).collect::<Vec<Vec<String>>>(),
+            )?;
         }
         arguments.out.iter().try_for_each(|path| writeln!(out, "Written to {}", path.display()))
     })
@@ -169,7 +174,8 @@ fn cells(result: StudyResult, found: Option<Statistics>) -> [String; 3] {
         }
     };
     let [low, _, high] = found.quantiles.map(show);
-    let deviation = |value: f64| if result == StudyResult::FeltEdge { show_length(value) } else { show(value) };
+    let deviation =
+        |value: f64| if result == StudyResult::FeltEdge { show_length(value) } else { show(value) };
     let deviation = found.standard_deviation.map_or_else(|| "-".to_owned(), deviation);
     [show(found.mean), deviation, format!("{low} to {high}")]
 }

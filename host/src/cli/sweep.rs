@@ -58,7 +58,10 @@ pub(super) fn run_sweep(arguments: &SweepArguments, as_json: bool) -> Result<(),
     output::print(as_json, &value, |writer| output::lines(writer, &lines(&answer, &out)))
 }
 
-fn lines(SweepAnswer { plate, first_hz, last_hz, levels, sweep_s, apart_s, .. }: &SweepAnswer<'_>, out: &Destination) -> Vec<(&'static str, String)> {
+fn lines(
+    SweepAnswer { plate, first_hz, last_hz, levels, sweep_s, apart_s, .. }: &SweepAnswer<'_>,
+    out: &Destination,
+) -> Vec<(&'static str, String)> {
     let seconds = |value: f64| format!("{} s", with_decimals(value, 2));
     let (first, last) = (show_frequency(*first_hz), show_frequency(*last_hz));
     let [loud, quiet] = levels.map(|level| with_decimals(level, 3));

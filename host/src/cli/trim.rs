@@ -98,7 +98,8 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
     if is_kept {
         save(&last.plate)?;
     }
-    let answer = trim.answer(&plate, place_m, ended_by.map_or("time", Signal::name)).map_err(Failure::refused)?;
+    let answer =
+        trim.answer(&plate, place_m, ended_by.map_or("time", Signal::name)).map_err(Failure::refused)?;
     let moved_m = answer.turning_point_error_m;
     let value = with_files(json!(answer), Destination::names(&out));
     output::print(as_json, &value, |writer| {

@@ -60,13 +60,22 @@ impl Trimming {
     ///
     /// # Errors
     /// The table of the plate, see [`departure`].
-    pub fn answer<'a>(&self, plate: &'a Plate, place_m: f64, ended_by: &'a str) -> Result<TrimAnswer<'a>, TableError> {
+    pub fn answer<'a>(
+        &self,
+        plate: &'a Plate,
+        place_m: f64,
+        ended_by: &'a str,
+    ) -> Result<TrimAnswer<'a>, TableError> {
         let moved = departure(plate, &self.last().plate, f64::from(SAMPLE_RATE_HZ))?;
         Ok(TrimAnswer {
             plate: plate.name(),
             place_m,
             begin: TrimmedAnswer::of(self.trim.begin()),
-            later: self.later.iter().map(|(after_s, now)| LaterAnswer { after_s: *after_s, now: TrimmedAnswer::of(now) }).collect(),
+            later: self
+                .later
+                .iter()
+                .map(|(after_s, now)| LaterAnswer { after_s: *after_s, now: TrimmedAnswer::of(now) })
+                .collect(),
             turning_point_error_m: moved.boundary_m,
             ended_by,
             caution: self.caution(),

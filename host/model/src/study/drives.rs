@@ -87,7 +87,8 @@ impl Drives {
     pub(super) fn add(&self, plate: &Plate, palette: Option<&Palette<'_>>, chunk: &mut Chunk) -> Status {
         let mut status = Status::Done;
         for (place, line) in self.lines(plate).into_iter().enumerate() {
-            let numbers = line.map_err(|why| why.status()).and_then(|line| self.numbers(place, &line, plate, palette));
+            let numbers =
+                line.map_err(|why| why.status()).and_then(|line| self.numbers(place, &line, plate, palette));
             let numbers = numbers.unwrap_or_else(|why| {
                 if status == Status::Done {
                     status = why;
@@ -154,9 +155,14 @@ impl Drives {
 
     fn in_plane(&self, plate: &Plate, place: usize) -> Result<Line, NoLine> {
         let hertz = self.frequencies_hz[place];
-        let field = plane::respond(plate, hertz, PLANE_POINTS, &plane::Setup::of(plate)).map_err(NoLine::Plane)?;
+        let field =
+            plane::respond(plate, hertz, PLANE_POINTS, &plane::Setup::of(plate)).map_err(NoLine::Plane)?;
         let line = self.of_field(plate, place, &field);
-        if line.peak.is_finite() && line.peak > 0.0 { Ok(line) } else { Err(NoLine::Boundary(NoBoundary::Silent)) }
+        if line.peak.is_finite() && line.peak > 0.0 {
+            Ok(line)
+        } else {
+            Err(NoLine::Boundary(NoBoundary::Silent))
+        }
     }
 
     /// The line of a field: its peak in metres at level 1.
@@ -167,8 +173,7 @@ impl Drives {
         let at_end = field.amplitude.last().map_or(f64::NAN, |f| f.norm());
         let turning = if is_on_plate { field.amplitude_at_turning_point } else { at_end };
         let peak = field.peak.map_or(turning * airy::PEAK_VALUE / airy::ai(0.0), |peak| peak.amplitude);
-        let squares: Vec<f64> =
-            field.amplitude.iter().map(|f| 0.5 * (driven_m * f.norm()).powi(2)).collect();
+        let squares: Vec<f64> = field.amplitude.iter().map(|f| 0.5 * (driven_m * f.norm()).powi(2)).collect();
         let before = field.position_m.iter().take_while(|x_m| **x_m <= field.turning_point_m).count();
         let mean = squares[..before].iter().sum::<f64>() / before as f64;
         let crest = |peak: slipline_plate::Peak| decibels(driven_m * peak.amplitude / (2.0 * mean).sqrt());

@@ -122,7 +122,8 @@ impl StudyResult {
         let known: Vec<Self> = Self::ALL.into_iter().filter(|it| it.is_of(kind)).collect();
         let of = |(number, name): (usize, &String)| {
             let found = known.iter().copied().find(|it| it.name() == name);
-            found.ok_or_else(|| unknown(&format!("results[{number}]"), name, known.iter().map(|it| it.name())))
+            found
+                .ok_or_else(|| unknown(&format!("results[{number}]"), name, known.iter().map(|it| it.name())))
         };
         let mut read: Vec<Self> = names.iter().enumerate().map(of).collect::<Result<_, _>>()?;
         read.sort_unstable();

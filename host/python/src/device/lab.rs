@@ -21,7 +21,12 @@ use std::path::PathBuf;
 
 impl Device {
     /// Measures the wave speed of the plate in use, at once and then until the duration is over.
-    pub(super) fn trim_plate(&self, py: Python<'_>, wish: Wish, duration_s: Option<f64>) -> PyResult<Answer<Trim>> {
+    pub(super) fn trim_plate(
+        &self,
+        py: Python<'_>,
+        wish: Wish,
+        duration_s: Option<f64>,
+    ) -> PyResult<Answer<Trim>> {
         optional("duration_s", duration_s, TRIM_S)?;
         let Loaded { plate, on_device, .. } = self.loaded()?;
         let (consent, rig) = (lock(&self.state).consent, self.rig.clone());
@@ -40,7 +45,8 @@ impl Device {
                 let later = short.measure(sensor, |_| ())?.measurement;
                 trim.add(&later).map_err(|error| Failure::of(&error))?;
             }
-            let answer = client.during(|| trim.answer(&plate, sensor.place_m, "time").map(|it| fields(&it)))?;
+            let answer =
+                client.during(|| trim.answer(&plate, sensor.place_m, "time").map(|it| fields(&it)))?;
             Ok((answer.map_err(|error| Failure::of(&error))?, trim.last().plate.clone()))
         })?;
         Answer::of(py, found)?.with(py, "plate", Py::new(py, PyPlate::from(trimmed))?)

@@ -38,7 +38,11 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ("contrast_mean_db", "", "Mean contrast of the nominal plate's solid area; null where no plate has one"),
     ("contrast_quantiles_db", "", "Quantiles of the contrast, in the order of `quantiles`"),
     ("crest_deviation_db", "", "Standard deviation of the crest; null for a single plate"),
-    ("crest_mean_db", "", "Mean of the peak over the RMS amplitude before the turning point; null where no plate has a peak"),
+    (
+        "crest_mean_db",
+        "",
+        "Mean of the peak over the RMS amplitude before the turning point; null where no plate has a peak",
+    ),
     ("crest_quantiles_db", "", "Quantiles of the crest, in the order of `quantiles`"),
     ("felt_edge_deviation_m", "", "Standard deviation of the felt edge; null for a single plate"),
     ("felt_edge_mean_m", "", "Mean place where the sensation ends; null where it ends on no plate"),

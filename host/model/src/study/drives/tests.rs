@@ -40,9 +40,17 @@ fn a_lossier_plate_has_a_weaker_line_that_ends_earlier() {
     for plate in 0..6 {
         let is_lossier = chunk.varied[plate] > 0.03;
         assert_eq!(levels[plate] < 0.0, is_lossier);
-        assert_eq!(edges_m[plate] < nominal.results[2][0], is_lossier, "the sensation ends where it is weaker");
+        assert_eq!(
+            edges_m[plate] < nominal.results[2][0],
+            is_lossier,
+            "the sensation ends where it is weaker"
+        );
         assert!(contrasts[plate] != nominal.results[3][0] && contrasts[plate] > 6.0);
-        assert_eq!(crests[plate] < nominal.results[4][0], is_lossier, "less of the peak is left than of the wave before it");
+        assert_eq!(
+            crests[plate] < nominal.results[4][0],
+            is_lossier,
+            "less of the peak is left than of the wave before it"
+        );
         assert!(shifts_m[plate].abs() < 2e-3);
     }
     // The felt edge lies past the peak of a tone at 200 mm and on the plate.
@@ -57,7 +65,8 @@ fn the_felt_edge_is_that_of_the_tone_at_level_1() {
         let study = study(name, "results = [\"felt_edge_m\"]", &place_m.to_string(), SAME);
         let plate = preset(name).unwrap();
         let table = DriveTable::build(&plate, f64::from(SAMPLE_RATE_HZ), crate::jobs::table::KNOTS).unwrap();
-        let tone = SteadyTone { slot: 0, frequency_hz: table.frequency_hz(place_m), peak_m: table.peak_m(place_m) };
+        let tone =
+            SteadyTone { slot: 0, frequency_hz: table.frequency_hz(place_m), peak_m: table.peak_m(place_m) };
         let felt = Felt::of(&plate, &Feeling::default(), &SteadyField::solve(&plate, &[tone]));
         let edge_m = study.run_range(0..1).results[0][0];
         assert!((edge_m - felt.edge.place_m().unwrap()).abs() < 2e-5, "{name}: {edge_m} {:?}", felt.edge);
@@ -84,7 +93,8 @@ fn a_plate_in_two_dimensions_matches_its_solver() {
         assert!(chunk.results[2][plate] > found.position_m && chunk.results[3][plate] > 0.0);
     }
     // One mode and two dimensions differ, but not by much on this plate.
-    let one_mode = self::study("membrane", "results = [\"felt_edge_m\"]", "0.18", "log_normal = 0.3").run_range(0..3);
+    let one_mode =
+        self::study("membrane", "results = [\"felt_edge_m\"]", "0.18", "log_normal = 0.3").run_range(0..3);
     for (plane_m, one_mode_m) in chunk.results[2].iter().zip(&one_mode.results[0]) {
         assert!(plane_m != one_mode_m && (plane_m - one_mode_m).abs() < 5e-3, "{plane_m} {one_mode_m}");
     }

@@ -115,7 +115,11 @@ fn level_and_shift_match_the_fine_solution_of_the_plate_s_own_file() {
             let (turning_m, found_peak) = peak(&plate);
             assert!((chunk.results[0][i] - (turning_m - nominal_m)).abs() < 1e-12, "{name}");
             let level_db = decibels(found_peak / nominal_peak);
-            assert!((chunk.results[1][i] - level_db).abs() < 1e-3, "{name}: {} {level_db}", chunk.results[1][i]);
+            assert!(
+                (chunk.results[1][i] - level_db).abs() < 1e-3,
+                "{name}: {} {level_db}",
+                chunk.results[1][i]
+            );
             assert_eq!(plate.spec().loss_factor, study.varied(i as u64)[1]);
         }
         assert!(chunk.results[1].iter().any(|level_db| level_db.abs() > 0.1));
@@ -136,8 +140,7 @@ fn a_bad_plate_has_its_reason_and_leaves_the_others_alone() {
     }
     for (i, status) in chunk.status.iter().enumerate() {
         let finite = chunk.results[1][2 * i..][..2].iter().filter(|level| level.is_finite()).count();
-        let turning =
-            chunk.results[0][2 * i..][..2].iter().filter(|shift| shift.is_finite()).count();
+        let turning = chunk.results[0][2 * i..][..2].iter().filter(|shift| shift.is_finite()).count();
         assert_eq!(finite, turning);
         assert_eq!(study.plate(i as u64).is_err(), *status == Status::Refused, "{i}");
         match status {
