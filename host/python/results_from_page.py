@@ -29,6 +29,9 @@ CLASSES = {
     "Drive": ("drive", "", "A drive, as far as it is known when it begins."),
     "Verification": ("verify", "", "The device's codes beside those that they should be."),
     "Status": ("info", "", "What a device reports of itself."),
+    "Trim": ("trim", "", "The wave speed of a calibrated plate, measured once and then again and again."),
+    "Sweep": ("sweep", "", "A sweep for a separate recorder."),
+    "Profile": ("profile", "", "The profile of a board's actuator."),
     "PortInfo": ("ports", "ports[].", "A port of this computer."),
 }
 #: Fields of a command that a result lacks.
@@ -39,12 +42,17 @@ LEFT_OUT = {
     "Verification": ("port",),
     "Calibration": ("read",),
     "Status": ("defaults",),
+    "Trim": ("ended_by",),
 }
 #: Fields that a result has instead or besides: type and meaning.
 OWN = {
     "Status": {"faults": ("list[str]", "Latched faults, by their names")},
     "Design": {"plate": ("Plate", "The plate")},
-    "Calibration": {"plate": ("Plate | None", "The calibrated plate; None where it is not accepted")},
+    "Calibration": {
+        "plate": ("Plate | None", "The calibrated plate; None where it is not accepted"),
+        "measurements": ("list[Measurement]", "What it was fitted to; none by touches"),
+    },
+    "Trim": {"plate": ("Plate", "The plate of the latest wave speed")},
     "Drive": {
         "at_samples": ("int | None", "Sample index at which it begins; None while it waits for the trigger, and for one that never begins"),
         "superseded": ("bool", "Whether a newer drive or a stop took its place before the device had accepted it"),
@@ -54,6 +62,7 @@ OWN = {
 OR_NONE = {
     "Calibration": ("by", "caution", "chi2_per_n", "turning_point_per_place"),
     "Check": ("turning_point_m",),
+    "Trim": ("caution",),
     "FieldTwoDimensions": ("level_db", "one_mode_reflection", "reflection"),
     "Simulation": (
         "felt",
@@ -92,7 +101,7 @@ OR_NONE = {
     "TextureReach": ("contrast_db", "largest_square_error"),
 }
 #: Objects that every such result has; others are None where they do not apply.
-ALWAYS = {"Drive": ("table",), "Simulation": ("feeling",), "Status": ("counters",)}
+ALWAYS = {"ActuatorProfile": ("coil",), "Drive": ("table",), "Simulation": ("feeling",), "Status": ("counters",), "Trim": ("begin",)}
 #: Fields that the command leaves out where they do not apply; of a result they are None then.
 ABSENT = {"Field": ("two_dimensions",), "Simulation": ("two_dimensions",), "SimulationTone": ("two_dimensions",), "CheckLimit": ("at_least", "at_most")}
 #: The results whose numbers are arrays where several are requested.
@@ -190,7 +199,7 @@ class Writer:
         if set(node.fields) == {"re", "im"}:
             return ("NDArray[np.complex128]" if node.is_list else "complex", None)
         if node.fields:
-            usual = {"lights": "Light", "check": "Check", "tones": f"{top}Tone"}
+            usual = {"lights": "Light", "check": "Check", "profile": "ActuatorProfile", "tones": f"{top}Tone"}
             own = top + (singular(key) if node.is_list else "".join(word.capitalize() for word in key.split("_")))
             doc = f"One of ``{key}`` of a result." if node.is_list else f"``{key}`` of a result."
             inner = self.class_of(usual.get(key, own), node, doc, top)
@@ -231,7 +240,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._result import Result, Results
-from ._slipline import Plate
+from ._slipline import Measurement, Plate
 
 '''
     names = sorted([*writer.classes, "Result", "Results"])

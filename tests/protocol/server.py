@@ -66,7 +66,11 @@ class Server:
 
     def raise_trigger(self) -> None:
         """Raises the device's trigger input for a moment."""
-        self._process.stdin.write("\n")
+        self.type("")
+
+    def type(self, line: str) -> None:
+        """Types a line: `press` and `release` are the device's user button, `open` and `close` its stop input."""
+        self._process.stdin.write(line + "\n")
         self._process.stdin.flush()
 
     def kill(self) -> None:

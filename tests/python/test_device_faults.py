@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import time
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 import slipline
@@ -73,6 +76,65 @@ def test_after_a_dead_man_trip_one_line_makes_the_next_block_work() -> None:
         with Program(AGAIN, line.port) as program:
             assert program.line() == "drives Driving"
             assert program.end() == (0, "")
+
+
+#: A profile whose device has a stop input.
+STOP_FITTED = 'name = "rig"\nmax_sum = 0.5\nstop_input = true\n[travel]\nresonance_hz = 60.0\nquality = 2.0\nstatic_travel = 0.5\n'
+
+
+def test_a_profile_is_stored_with_the_button_and_a_cause_that_stands_is_refused_by_its_name(command: Any) -> None:
+    with Line() as line, slipline.connect(line.port) as device:
+        assert device.profile().profile is None
+        with pytest.raises(slipline.BadFile, match="max_sum = 1.2: must be 0.001 to 1"):
+            device.store_profile('name = "x"\nmax_sum = 1.2')
+        with pytest.raises(slipline.Refused, match="button"):
+            device.store_profile(STOP_FITTED)
+        line.server.type("press")
+        _until(lambda: device.store_profile(STOP_FITTED).stored == "Whole")
+        line.server.type("release")
+        kept = device.profile()
+        assert (kept.profile.name, kept.profile.max_sum, kept.profile.travel.quality) == ("rig", 0.5, 2.0)
+        shown = command("profile", "--port", line.port).answer()
+        assert kept.to_dict() == {name: value for name, value in shown.items() if name != "schema"}
+        device.use(slipline.Plate("membrane"))
+        device.arm()
+        device.drive(turning_point_m=0.16, level=0.3)
+        line.server.type("open")
+        _until(lambda: device.status().faults == ["DeskStop"])
+        for call in (device.clear_faults, device.arm):
+            with pytest.raises(slipline.Fault, match="stop") as caught:
+                call()
+            assert caught.value.faults == ["DeskStop"] and "close its stop input" in caught.value.remedy
+        # A fresh process with the line of the page.
+        with Program(AGAIN, line.port) as program:
+            assert program.line() == "refused DeskStop"
+            assert program.end() == (0, "")
+        line.server.type("close")
+        # It must rest closed for 2 s.
+        _until(lambda: not _refused(device.clear_faults))
+        device.arm()
+        device.disarm()
+        line.server.type("press")
+        _until(lambda: device.erase_profile().profile is None)
+
+
+def _refused(call: Callable[[], object]) -> bool:
+    try:
+        call()
+    except slipline.Refused:
+        return True
+    return False
+
+
+def _until(holds: Callable[[], bool]) -> None:
+    """Waits until it holds; what the device still refuses does not."""
+    until = time.monotonic() + 30.0
+    while time.monotonic() < until:
+        with contextlib.suppress(slipline.Refused):
+            if holds():
+                return
+        time.sleep(0.02)
+    raise TimeoutError("it never held")
 
 
 def test_the_program_that_was_held_up_itself_goes_on_with_the_same_line() -> None:

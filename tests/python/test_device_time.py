@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import os
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -169,11 +171,24 @@ def test_an_iterator_watches_the_device_until_it_is_closed(plate: slipline.Plate
     assert [one.now_samples < other.now_samples for one, other in zip(seen, seen[1:])] == [True] * 5
 
 
-#: Number of trials; the night takes 200.
+#: Number of trials, and of programs that compute beside them; the night takes 200 at load 8.
 TRIALS = int(os.environ.get("SLIPLINE_TRIALS", "8"))
+LOAD = int(os.environ.get("SLIPLINE_LOAD", "0"))
 
 
-def test_each_trial_of_a_tenth_of_a_second_fades_from_the_same_sample_on(plate: slipline.Plate, tmp_path: Path) -> None:
+@pytest.fixture
+def load() -> Iterator[None]:
+    """Programs that compute all the time."""
+    running = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(LOAD)]
+    try:
+        yield
+    finally:
+        for program in running:
+            program.kill()
+            program.wait()
+
+
+def test_each_trial_of_a_tenth_of_a_second_fades_from_the_same_sample_on(plate: slipline.Plate, tmp_path: Path, load: None) -> None:
     listed = [{"turning_point_m": 0.12 + 0.001 * (i % 80), "level": 0.5, "duration_s": 0.1} for i in range(TRIALS)]
     with Line() as line, slipline.connect(line.port) as device:
         device.use(plate)
@@ -182,3 +197,6 @@ def test_each_trial_of_a_tenth_of_a_second_fades_from_the_same_sample_on(plate: 
         ends = [drive for drive in line.bodies("Drive") if not drive.tones]
     assert [row["duration"] for row in rows] == [str(40_064 / 400_000)] * TRIALS
     assert len(ends) == TRIALS
+    # What the device was asked, by the tap on its line.
+    begins = [int(row["at_samples"]) for row in rows]
+    assert [end.apply.value - begin for begin, end in zip(begins, ends)] == [40_064] * TRIALS

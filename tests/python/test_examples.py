@@ -18,6 +18,7 @@ RUNS = {
     "trials": (["subject", "12"], "12 trials: felt at 16"),
     "measure_and_calibrate": (["fitted.toml"], "written: fitted.toml; the turning points are known to 0."),
     "lsl_markers": (["subject"], "3 markers sent"),
+    "robust_taper": (["robust.toml", "2"], "written: robust.toml"),
     "tolerances": (["study.zarr", "200"], "200 plates; share of each field"),
 }
 
@@ -28,8 +29,9 @@ def test_every_example_is_run_here() -> None:
 
 @pytest.mark.parametrize("name", RUNS)
 def test_an_example_runs(name: str, tmp_path: Path) -> None:
-    if name == "lsl_markers" and importlib.util.find_spec("pylsl") is None:
-        pytest.skip("no pylsl here")
+    needs = {"lsl_markers": "pylsl", "robust_taper": "cma"}.get(name)
+    if needs and importlib.util.find_spec(needs) is None:
+        pytest.skip(f"no {needs} here")
     arguments, words = RUNS[name]
     line = [sys.executable, str(EXAMPLES / f"{name}.py"), *arguments]
     environment = {**os.environ, "MPLBACKEND": "Agg"}
@@ -37,6 +39,9 @@ def test_an_example_runs(name: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert words in done.stdout
     assert (tmp_path / arguments[0]).exists()
+    if name == "robust_taper":
+        before, after = (float(done.stdout.split(f"{word} ")[1].split(",")[0].split(";")[0]) for word in ("before", "after"))
+        assert after < before
     if name == "tolerances":
         # By the physics: the place follows the rate of the taper, and the loss has nearly no part in it.
         rows = [line.split() for line in done.stdout.splitlines()[2:]]

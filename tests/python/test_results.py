@@ -129,6 +129,36 @@ def test_a_field_a_simulation_a_table_and_a_check_are_drawn(plate):
         slipline.ports()[0].plot()
 
 
+def measured(plate, places_m, actual):
+    """What a sensor at these places measures of another plate, 60 dB above its noise."""
+    frequency_hz = np.linspace(75, 200, 60)
+    field = actual.respond(frequency_hz)
+    for place_m in places_m:
+        response = 1e-5 * np.array([np.interp(place_m, field.position_m, row) for row in field.amplitude])
+        yield slipline.Measurement.from_arrays(frequency_hz, response, place_m=place_m, snr_db=60.0)
+
+
+def test_a_calibration_is_drawn_beside_its_model(plate):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    actual = plate.replace(loss_factor=0.035, **{"taper.rate_per_m": 4.66})
+    for places_m in ([0.032, 0.12], [0.032]):
+        found = plate.calibrate(list(measured(plate, places_m, actual)))
+        assert found.plate is not None, found.reason
+        assert list(wrong(found)) == [] and len(found.measurements) == len(places_m)
+        assert pickle.loads(pickle.dumps(found)).measurements == found.measurements
+        assert json.loads(json.dumps(found.to_dict()))["measurements"][0] == found.measurements[0].to_csv()
+        axes = found.plot()
+        points, model = (line.get_ydata() for line in axes.get_lines())
+        assert np.median(np.abs(points - model)) < 0.3
+        # The file before fits worse.
+        found.plate = plate
+        points, before = (line.get_ydata() for line in found.plot().get_lines())
+        assert np.median(np.abs(points - before)) > 2 * np.median(np.abs(points - model))
+    with pytest.raises(ValueError, match="two places or at one"):
+        plate.calibrate((), touch=[(0.2, 0.201), (0.23, 0.232)]).plot()
+
+
 def test_the_numbers_of_a_plate_are_read_replaced_and_turned_into_each_other(plate):
     places_m = np.linspace(*plate.span_m, 5)
     frequencies_hz = plate.frequency_hz(places_m)

@@ -55,6 +55,12 @@ async def devices(plate: slipline.Plate) -> None:
         device.use(plate)
         device.arm()
         drive = device.drive(felt_edge_m=0.21, tones=[{"turning_point_m": 0.16, "level": 0.2}])
+        trimmed: slipline.Plate = device.trim(0.034, duration_s=10.0).plate
+        shares: list[float] = [later.wave_speed_share for later in device.trim(0.034, level=0.4).later]
+        apart_s: float = device.sweep("sweep.toml", duration_s=0.15).apart_s
+        kept = device.profile().profile
+        name: str | None = kept.name if kept is not None else device.store_profile("name = 'x'").stored
+        print(trimmed, shares, apart_s, name, device.erase_profile().stored)
         if drive.at_samples is not None and not drive.superseded:
             end: int = device.stop(at=drive.at_samples + 40_000, glide_s=0.01)
             device.wait(end, timeout=1.0)
@@ -79,6 +85,16 @@ async def devices(plate: slipline.Plate) -> None:
     slipline.connect().open().close()
 
 
+def studies(plate: slipline.Plate) -> None:
+    vary = {"taper.rate_per_m": {"uniform": 0.02}}
+    spec = {"plate": plate, "kind": "2d", "seed": 7, "count": 9, "turning_point_m": [0.12], "results": ["felt_edge_m"], "vary": vary}
+    slipline.study.run(spec, "tcp://scheduler:8786", store="study.zarr", retries=1, first_worker_s=3600.0)
+    drawn: slipline.Plate = slipline.study.plate(spec, 3)
+    objective = slipline.objective(plate, {"taper.rate_per_m": (4.0, 5.5)}, turning_point_m=[0.12], vary=vary, count=16)
+    costs: NDArray[np.float64] = objective(np.zeros((3, 1)))
+    print(drawn, costs, objective.names, objective.plate(objective.point(plate)))
+
+
 def typos(plate: slipline.Plate, device: slipline.Device) -> None:
     field = plate.respond(126.0)
     field.amplitud  # refused
@@ -92,4 +108,5 @@ def typos(plate: slipline.Plate, device: slipline.Device) -> None:
     device.drive(felt_edge=0.21)  # refused
     device.stop(0.1)  # refused
     device.drive(turning_point_m=0.16).at_sample  # refused
+    slipline.objective(plate, {}, turning_points_m=[0.12], vary={})  # refused
     slipline.conect()  # refused

@@ -12,6 +12,7 @@
 //! ```
 
 use serde::{Deserialize, Serialize};
+use slipline_link::protocol::event::ProfileReport;
 use slipline_link::protocol::limits::{
     COIL_TIME_MS, FULL_SINE_PER_MILLE, MAX_DRIVE_MS, MAX_NAME, MAX_RISE_CDB, MIN_DRIVE_MS,
     PROFILE_SUM_PER_MILLE, QUALITY_PER_MILLE, RESONANCE_UHZ, STATIC_TRAVEL_PPM,
@@ -168,9 +169,20 @@ pub fn write(profile: &ActuatorProfile) -> String {
     toml::to_string(&fields(profile)).unwrap_or_default()
 }
 
-/// The values of a profile, with the names and in the units of such a file.
+#[derive(Debug, Serialize)]
+struct ProfileAnswer {
+    stored: String,
+    profile: Option<Fields>,
+}
+
+/// The fields of `slipline profile --json`.
 #[must_use]
-pub fn fields(profile: &ActuatorProfile) -> impl Serialize + use<> {
+pub fn answer(report: &ProfileReport) -> impl Serialize + use<> {
+    ProfileAnswer { stored: format!("{:?}", report.stored), profile: report.profile.as_ref().map(fields) }
+}
+
+/// The values of a profile, with the names and in the units of such a file.
+fn fields(profile: &ActuatorProfile) -> Fields {
     let heat = &profile.heat;
     Fields {
         name: profile.name.as_str().to_owned(),

@@ -10,6 +10,7 @@ same name with ``--json``; host/JSON.md has the meaning of each.
 """
 
 from . import results, study, trials
+from ._objective import objective
 from ._slipline import VERSION as __version__
 from ._slipline import Device, Measurement, Plate, connect, design, ports, presets
 from .errors import BadFile, Error, Fault, LinkLost, OutOfRange, Refused, Unattended
@@ -32,6 +33,7 @@ __all__ = [
     "__version__",
     "connect",
     "design",
+    "objective",
     "ports",
     "presets",
     "results",

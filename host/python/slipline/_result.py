@@ -60,8 +60,8 @@ class Result:
         return _shown.pandas(self.__dict__, name)
 
     def plot(self, axes: Any = None) -> Any:
-        """Draws a field, a simulated envelope, a drive table or the lights of a check with matplotlib, into ``axes`` or new ones, which
-        it returns."""
+        """Draws a field, a simulated envelope, a drive table, the lights of a check, or what was measured for a calibration beside its
+        model with matplotlib, into ``axes`` or new ones, which it returns."""
         return _shown.plot(self.__dict__, axes)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import html
 import math
 from collections.abc import Sequence
@@ -56,8 +57,9 @@ def plain(value: Any) -> Any:
         return value if math.isfinite(value) else None
     if hasattr(value, "_fields"):
         return plain(value._fields())
-    if hasattr(value, "to_toml"):
-        return value.to_toml()
+    for to_text in ("to_toml", "to_csv"):
+        if hasattr(value, to_text):
+            return getattr(value, to_text)()
     return value
 
 
@@ -134,11 +136,19 @@ def _cell(name: str, value: Any) -> str:
 
 
 def plot(fields: dict[str, Any], axes: Any) -> Any:
-    """Draws an envelope, the lights of a check, or a table of drive; returns the axes of matplotlib."""
+    """Draws an envelope, the lights of a check, a table of drive, or a calibration beside its model; returns the axes of matplotlib."""
+    curves = model_curves(fields) if "measurements" in fields else None
     if axes is None:
         from matplotlib import pyplot
 
         axes = pyplot.subplots(layout="constrained")[1]
+    if curves is not None:
+        for label, frequency_hz, measured_db, model_db in curves:
+            (points,) = axes.plot(frequency_hz, measured_db, ".", label=f"measured, {label}")
+            axes.plot(frequency_hz, model_db, color=points.get_color(), label="model")
+        axes.set(xlabel="frequency / Hz", ylabel="level / dB", title=fields["plate"].name)
+        axes.legend()
+        return axes
     lights = fields.get("lights")
     if isinstance(lights, list) and lights:
         names = [light.name for light in lights]
@@ -158,4 +168,46 @@ def plot(fields: dict[str, Any], axes: Any) -> Any:
                 axes.plot(1e3 * position_m, np.abs(values), label=label)
             axes.set(xlabel="place / mm", ylabel=name, title=fields.get("plate"))
             return axes
-    raise ValueError("plot() draws a field, a simulated envelope, a drive table, and the lights of a check")
+    raise ValueError("plot() draws a field, a simulated envelope, a drive table, the lights of a check, and a calibration")
+
+
+def model_curves(fields: dict[str, Any]) -> list[tuple[str, Any, Any, Any]]:
+    """Of a calibration: label, frequencies, and the measured and the modelled level in dB. Two places have one curve, the response at
+    the second one over that at the first one, in which the drive has no part; one place has the response with the level of its
+    model, because the response is in no unit."""
+    plate, measurements = fields["plate"], fields["measurements"]
+    if plate is None or fields["by"] not in ("two places", "one sensor"):
+        raise ValueError("plot() draws an accepted calibration by one sensor, at two places or at one")
+    if any(measured.sensor == "strain" for measured in measurements):
+        raise ValueError("plot() draws no calibration by strain: its model has none")
+    frequency_hz = measurements[0].frequency_hz
+    both = [(measured.response, _model(plate, measured)) for measured in measurements]
+    if len(both) == 2:
+        near, far = measurements
+        if not np.array_equal(near.frequency_hz, far.frequency_hz):
+            raise ValueError("plot() draws two places that were measured at the same frequencies")
+        ratios = (both[1][column] / both[0][column] for column in (0, 1))
+        measured_db, model_db = (20 * np.log10(np.abs(ratio)) for ratio in ratios)
+        return [(f"{1e3 * far.place_m:.0f} mm over {1e3 * near.place_m:.0f} mm", frequency_hz, measured_db, model_db)]
+    measured_db, model_db = (20 * np.log10(np.abs(values)) for values in both[0])
+    model_db = model_db + np.nanmedian(measured_db - model_db)
+    return [(f"{1e3 * measurements[0].place_m:.0f} mm", frequency_hz, measured_db, model_db)]
+
+
+def _model(plate: Any, measured: Any) -> Any:
+    """The plate's response at the sensor, NaN where no wave enters."""
+    from .errors import Error
+
+    def at(frequency_hz: Any) -> Any:
+        field = plate.respond(frequency_hz)
+        return np.array([np.interp(measured.place_m, field.position_m, row) for row in np.atleast_2d(field.amplitude)])
+
+    order = {"displacement": 0, "velocity": 1, "acceleration": 2}[measured.sensor]
+    try:
+        found = at(measured.frequency_hz)
+    except Error:
+        found = np.full(measured.frequency_hz.shape, np.nan, complex)
+        for number, hz in enumerate(measured.frequency_hz):
+            with contextlib.suppress(Error):
+                found[number : number + 1] = at(hz)
+    return found * measured.frequency_hz**order

@@ -1,6 +1,9 @@
 """The store of a study: a Zarr folder that plain xarray opens, and in which the same study goes on.
 
 A chunk of the store is a chunk of the study. Its ``status`` is written last, so that a chunk with a status is whole.
+
+Chunks are not compressed: random numbers do not get smaller. Such a chunk is a file of its numbers, and is written as that; by zarr it
+would cost as much of the one thread that writes as its plates cost the others.
 """
 
 from __future__ import annotations
@@ -9,7 +12,6 @@ import hashlib
 import os
 import shutil
 import warnings
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,33 +20,26 @@ import numpy as np
 from ._slipline import VERSION, _Study
 from .errors import BadFile
 
-# Arrays of the results, in the order in which a range has them after its status and its fields.
-_RESULTS = {
-    "turning_point_shift_m": {
-        "long_name": "distance of the turning point from its place on the nominal plate, by the same tone",
-        "units": "m",
-    },
-    "level_db": {"long_name": "peak over the nominal plate's peak, by the same tone", "units": "dB"},
-}
-
-
 class StudyStore:
     """An open store."""
 
     def __init__(self, path: Path, group: Any, study: _Study) -> None:
         self._path, self._group = path, group
         self._varied = [name for name, _ in study.varied]
+        self._results = [name for name, _, _ in study.results]
+        self._worker_failed = study.meanings.index("worker_failed")
+        self._arrays = {name: group[name] for name in [*self._varied, *self._results, "status"]}
         self.count = study.count
 
     @classmethod
-    def open(cls, path: Path, study: _Study, chunk: int | None, plates_of_a_chunk: Callable[[], int]) -> StudyStore:
-        """Opens the store of a study, or makes it; ``chunk`` or else ``plates_of_a_chunk()`` fixes the chunk of a new one.
+    def open(cls, path: Path, study: _Study, chunk: int | None, usual_chunk: int) -> StudyStore:
+        """Opens the store of a study, or makes it; ``chunk`` or else ``usual_chunk`` fixes the chunk of a new one.
 
         Raises ``BadFile`` if it is that of another study.
         """
         zarr = _zarr()
         if not path.exists():
-            _make(path, study, chunk or plates_of_a_chunk())
+            _make(path, study, chunk or usual_chunk)
         try:
             group = zarr.open_group(path, mode="r+")
             kept = dict(group.attrs)
@@ -59,27 +54,48 @@ class StudyStore:
         return cls(path, group, study)
 
     def due(self) -> list[tuple[int, int]]:
-        """The ranges that have no results yet, as (first, end)."""
+        """The ranges that have no results yet, as (first, end); with those at which a worker has failed."""
         status = self._group["status"][:]
+        status = np.where(status == self._worker_failed, 0, status)
         step = int(self._group["status"].chunks[0])
         spans = [(first, min(first + step, self.count)) for first in range(0, self.count, step)]
         return [(first, end) for first, end in spans if not status[first:end].all()]
 
     def write(self, span: tuple[int, int], results: Any) -> None:
         """Writes the results of a range, its status last."""
-        plates = slice(*span)
-        status, varied, *arrays = results
+        status, varied, arrays = results
         for name, column in zip(self._varied, varied.T):
-            self._group[name][plates] = column
-        for name, array in zip(_RESULTS, arrays):
-            self._group[name][plates] = array
-        self._group["status"][plates] = status
+            self._put(name, span, column)
+        for name, array in zip(self._results, arrays):
+            self._put(name, span, array)
+        self._put("status", span, status)
+
+    def write_failed(self, span: tuple[int, int]) -> None:
+        """Writes that the workers have failed at a range; its numbers stay NaN."""
+        self._put("status", span, np.full(span[1] - span[0], self._worker_failed, np.int8))
+
+    def _put(self, name: str, span: tuple[int, int], values: Any) -> None:
+        """Writes the chunk of an array."""
+        array = self._arrays[name]
+        if array.compressors or array.shards:
+            # As of a store of an earlier version.
+            array[slice(*span)] = values
+            return
+        # The file of the Zarr specification 3: c/i or c/i/0, little-endian, row by row, the last chunk as large as the others.
+        chunk = np.full(array.chunks, array.fill_value, array.dtype.newbyteorder("<"))
+        chunk[: span[1] - span[0]] = values
+        file = self._path.joinpath(name, "c", str(span[0] // array.chunks[0]), *["0"] * (array.ndim - 1))
+        file.parent.mkdir(parents=True, exist_ok=True)
+        part = file.with_name(f"{file.name}.part")
+        part.write_bytes(chunk.tobytes())
+        part.replace(file)
 
     def dataset(self) -> Any:
         """The store as an ``xarray.Dataset``."""
         import xarray
 
-        return xarray.open_zarr(self._path)
+        # A store of an earlier version does not say that the places are coordinates.
+        return xarray.open_zarr(self._path).set_coords("place_m")
 
 
 def _attributes(study: _Study) -> dict[str, str]:
@@ -113,6 +129,7 @@ def _make(path: Path, study: _Study, chunk: int) -> None:
                 name,
                 shape=tuple(dimensions.values()),
                 chunks=chunks,
+                compressors=None,
                 dtype=kind,
                 fill_value=fill,
                 dimension_names=tuple(dimensions),
@@ -123,7 +140,9 @@ def _make(path: Path, study: _Study, chunk: int) -> None:
         array("status", plates, "int8", 0, {"long_name": "whether a plate has results, and why not", **flags})
         place = {"long_name": "turning point on the nominal plate, from the driven end", "units": "m"}
         array("place_m", places, "float64", np.nan, place)[:] = np.array(study.place_m)
-        for name, attributes in _RESULTS.items():
+        for name, unit, meaning in study.results:
+            # As of CF: xarray then makes it a coordinate.
+            attributes = {"long_name": meaning, "units": unit, "coordinates": "place_m"}
             array(name, plates | places, "float64", np.nan, attributes)
         for name, field in study.varied:
             array(name, plates, "float64", np.nan, {"long_name": f"{field} of the plate file, in its unit"})

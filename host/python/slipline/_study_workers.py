@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import signal
+import threading
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import lru_cache
 from queue import SimpleQueue
+from types import FrameType
 from typing import Any
 
 from ._slipline import VERSION, _Study
 from .errors import Refused
-
-# How long a cluster may take to have its first worker.
-_FIRST_WORKER_S = 60.0
 
 
 class ThreadWorkers:
@@ -21,8 +22,7 @@ class ThreadWorkers:
 
     def __init__(self, study: _Study) -> None:
         self._study = study
-        allowed = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(os.cpu_count() or 1)
-        self._count = len(allowed)
+        self._count = len(allowed_processors())
         self._pool = ThreadPoolExecutor(self._count, "slipline-study")
         self._done: SimpleQueue[Future[Any]] = SimpleQueue()
 
@@ -48,21 +48,27 @@ class ThreadWorkers:
 class ClusterWorkers:
     """The workers of a Dask cluster. They get the specification's text and a range, and send arrays back."""
 
-    def __init__(self, study: _Study, address: str) -> None:
+    def __init__(self, study: _Study, address: str, first_worker_s: float) -> None:
         try:
             from distributed import Client, LocalCluster, as_completed
         except ModuleNotFoundError as error:
             raise ModuleNotFoundError(f"{error}; an address needs Dask: pip install slipline[cluster]") from error
         self._text = study.to_toml()
-        self._cluster = None
-        if address == "local":
-            self._cluster = LocalCluster(threads_per_worker=1, dashboard_address=None)
+        self._client = self._cluster = None
         try:
-            self._client = Client(self._cluster or address, set_as_default=False)
-            self._client.wait_for_workers(1, timeout=_FIRST_WORKER_S)
+            with _ctrl_c_is_raised():
+                if address == "local":
+                    # Without workers at first: what has begun can then be ended, whenever Ctrl-C comes.
+                    self._cluster = LocalCluster(n_workers=0, threads_per_worker=1, dashboard_address=None)
+                    self._cluster.scale(len(allowed_processors()))
+                self._client = Client(self._cluster or address, set_as_default=False)
+                self._client.wait_for_workers(1, timeout=first_worker_s)
         except (OSError, TimeoutError, ValueError) as error:
             self.close()
             raise Refused(f"address = {address!r}: {error}") from error
+        except BaseException:
+            self.close()
+            raise
         self._completed = as_completed(loop=self._client.loop)
 
     def count(self) -> int:
@@ -81,9 +87,42 @@ class ClusterWorkers:
 
     def close(self) -> None:
         """Leaves the cluster; one that was begun here ends."""
-        for it in (getattr(self, "_client", None), self._cluster):
+        for it in (self._client, self._cluster):
             if it is not None:
                 it.close()
+
+
+def allowed_processors() -> Collection[int]:
+    """The processors that this process may use."""
+    return os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(os.cpu_count() or 1)
+
+
+@contextmanager
+def _ctrl_c_is_raised() -> Iterator[None]:
+    """Whatever a library makes of Ctrl-C inside, ``KeyboardInterrupt`` leaves the block."""
+    in_main = threading.current_thread() is threading.main_thread()
+    if not in_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        # Python raises it in the main thread only; a program's own handler stays.
+        yield
+        return
+    is_pressed = False
+
+    def press(number: int, frame: FrameType | None) -> None:
+        nonlocal is_pressed
+        is_pressed = True
+        signal.default_int_handler(number, frame)
+
+    signal.signal(signal.SIGINT, press)
+    try:
+        yield
+    except BaseException as error:
+        if is_pressed and not isinstance(error, KeyboardInterrupt):
+            raise KeyboardInterrupt from error
+        raise
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if is_pressed:
+        raise KeyboardInterrupt
 
 
 def _range(version: str, text: str, first: int, end: int) -> Any:

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._result import Result, Results
-from ._slipline import Plate
+from ._slipline import Measurement, Plate
 
 __all__ = [
+    "ActuatorProfile",
     "Calibration",
     "CalibrationBefore",
     "CalibrationParameter",
@@ -32,6 +33,9 @@ __all__ = [
     "Light",
     "Merit",
     "PortInfo",
+    "Profile",
+    "ProfileCoil",
+    "ProfileTravel",
     "Result",
     "Results",
     "Simulation",
@@ -42,11 +46,15 @@ __all__ = [
     "StatusCounters",
     "StatusInputs",
     "StatusTable",
+    "Sweep",
     "Table",
     "Texture",
     "TextureChord",
     "TextureReach",
     "TextureTone",
+    "Trim",
+    "TrimBegin",
+    "TrimLater",
     "Verification",
     "VerificationWindow",
 ]
@@ -608,6 +616,8 @@ class Calibration(Result):
     """Shift of turning points per metre that a sensor is off its mark; m/m."""
     turning_point_tolerance_m: float | None
     """Half of the 95 % interval of turning points; None where unknown; m."""
+    measurements: list[Measurement]
+    """What it was fitted to; none by touches."""
 
 
 class DriveTable(Result):
@@ -805,6 +815,123 @@ class Status(Result):
     """State of the user button."""
     worst_block: float | None
     """Time of the longest block over its limit."""
+
+
+class TrimBegin(Result):
+    """``begin`` of a result."""
+
+    chi2_per_n: float
+    """Square of the deviation per answer, in units of its noise."""
+    high: float
+    """Upper end of the 95 % interval of the wave speed."""
+    low: float
+    """Lower end of the 95 % interval of the wave speed."""
+    wave_speed_share: float
+    """Wave speed over that of the file."""
+
+
+class TrimLater(Result):
+    """One of ``later`` of a result."""
+
+    after_s: float
+    """Time since the first measurement; s."""
+    chi2_per_n: float
+    """Square of the deviation per answer, in units of its noise."""
+    high: float
+    """Upper end of the 95 % interval of the wave speed."""
+    low: float
+    """Lower end of the 95 % interval of the wave speed."""
+    wave_speed_share: float
+    """Wave speed over that of the file."""
+
+
+class Trim(Result):
+    """The wave speed of a calibrated plate, measured once and then again and again."""
+
+    _nested = {"begin": "TrimBegin", "later": "TrimLater"}
+
+    begin: TrimBegin
+    caution: str | None
+    """A caution that no measurement reveals and the user must check."""
+    later: Results[TrimLater]
+    place_m: float
+    """Place of the sensor; m."""
+    plate: Plate
+    """The plate of the latest wave speed."""
+    turning_point_error_m: float
+    """Largest error of turning points by the file before; m."""
+
+
+class Sweep(Result):
+    """A sweep for a separate recorder."""
+
+    apart_s: float
+    """From the beginning of the first sweep to that of the second; s."""
+    first_hz: float
+    """Frequency at the beginning of the sweep; Hz."""
+    last_hz: float
+    """Frequency at the end of the sweep; Hz."""
+    levels: NDArray[np.float64]
+    """Levels of the two sweeps, 0 to 1 of full scale."""
+    plate: str
+    """Name of the plate."""
+    played_s: float
+    """Time of both sweeps with the silence between them; s."""
+    sample_rate_hz: float
+    """Sample rate; Hz."""
+    sweep_s: float
+    """Time of one sweep; s."""
+
+
+class ProfileCoil(Result):
+    """``coil`` of a result."""
+
+    body_s: float
+    """Time constant of the coil's body; s."""
+    full_sine: float
+    """Heat of a sine at full scale, over the limit."""
+    winding_s: float
+    """Time constant of the coil's winding; s."""
+
+
+class ProfileTravel(Result):
+    """``travel`` of a result."""
+
+    quality: float
+    """Quality factor of the actuator's resonance."""
+    resonance_hz: float
+    """Resonance of the actuator; Hz."""
+    static_travel: float
+    """Static travel at full scale, over the peak travel."""
+
+
+class ActuatorProfile(Result):
+    """``profile`` of a result."""
+
+    _nested = {"coil": "ProfileCoil", "travel": "ProfileTravel"}
+
+    coil: ProfileCoil
+    longest_drive_s: float
+    """Longest drive without a command; s."""
+    max_rise_db: float
+    """Largest rise of a held tone; dB."""
+    max_sum: float
+    """Largest sum of the tones, over full scale."""
+    name: str
+    """Name."""
+    stop_input: bool
+    """Whether the board's stop input is used."""
+    travel: ProfileTravel | None
+
+
+class Profile(Result):
+    """The profile of a board's actuator."""
+
+    _nested = {"profile": "ActuatorProfile"}
+
+    profile: ActuatorProfile | None
+    stored: str
+    """Content of the device's flash."""
 
 
 class PortInfo(Result):

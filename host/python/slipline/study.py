@@ -12,6 +12,19 @@ is computed. A study that was interrupted, by Ctrl-C or by a power cut, goes on 
 (``pip install slipline[study]``), and Dask for an address (``pip install slipline[cluster]``).
 
 A program that names ``"local"`` needs ``if __name__ == "__main__":``, as any program of several processes.
+
+With ``kind = "2d"`` each plate is solved in two dimensions: in milliseconds, with air in up to a second for each place. A chunk is one
+plate then, and a plate at which the workers have failed more than ``retries`` times is a row with the status ``worker_failed``, which
+the next call tries again. A worker needs 100 MB besides Dask's own memory. On a cluster with a queue of jobs, by ``dask-jobqueue``::
+
+    from dask_jobqueue import SLURMCluster                                   # or PBSCluster, SGECluster ..
+
+    if __name__ == "__main__":
+        cluster = SLURMCluster(cores=1, processes=1, memory="1GB", walltime="04:00:00")
+        cluster.adapt(minimum_jobs=1, maximum_jobs=200)
+        spec = {"plate": "membrane", "kind": "2d", "seed": 7, "count": 5000, "turning_point_m": [0.12, 0.18],
+                "vary": {"taper.rate_per_m": {"uniform": 0.02}}}
+        slipline.study.run(spec, cluster.scheduler_address, store="study.zarr", first_worker_s=86400)
 """
 
 from __future__ import annotations
@@ -36,40 +49,57 @@ __all__ = ["plate", "run"]
 
 Spec = str | os.PathLike[str] | Mapping[str, Any]
 
-# Time of a chunk: long against what a chunk costs beside its plates, short against the wait for the last one.
-_CHUNK_S = 0.7
+# Chunks of a study: enough for the workers to end together, few against what a chunk costs beside its plates.
+_CHUNKS = 64
+# Most plates of a chunk: what is computed twice after an interruption.
+_CHUNK_MAX = 2500
 # The largest specification: slipline study reads no larger one.
 _SPEC_BYTES_MAX = 1 << 21
 _RETRIES_MAX = 1000
+_WEEK_S = 604_800.0
 
 
-def run(spec: Spec, address: str | None = None, *, store: str | os.PathLike[str], chunk: int | None = None, retries: int = 2) -> Any:
+def run(
+    spec: Spec,
+    address: str | None = None,
+    *,
+    store: str | os.PathLike[str],
+    chunk: int | None = None,
+    retries: int = 2,
+    first_worker_s: float = 60.0,
+) -> Any:
     """Computes the plates that ``store`` does not have yet, and returns the store, opened as an ``xarray.Dataset``.
 
     ``spec`` is a TOML file or a dictionary of the same fields, whose ``plate`` may be a :class:`slipline.Plate`. Without
     ``address`` the threads of this computer compute; ``"local"`` is a Dask cluster of processes here, ``"tcp://.."`` the
-    scheduler of one elsewhere, whose workers need this package but neither the specification's files nor the store.
-    ``chunk`` is the number of plates that are computed at once, fixed when the store is made; by default what takes 0.7 s
-    here. A chunk that fails, because its worker died or for any other reason, is computed again up to ``retries`` times.
+    scheduler of one elsewhere, whose workers need this package but neither the specification's files nor the store; its first
+    worker may take ``first_worker_s`` to come, 1 second to a week.
 
-    The store, a Zarr folder, has ``turning_point_shift_m`` and ``level_db`` over (plate, place), ``status`` and a variable
-    ``vary_..`` for each field that varies over plate, ``place_m`` over place. A plate that the plate file refuses, or that has
-    no boundary at a place, has NaN, and its status says why.
+    ``chunk`` is the number of plates that are computed at once, fixed when the store is made; by default a 64th of the plates, at
+    most 2500, and one plate in two dimensions. A chunk that fails, because its worker died or for any other reason, is computed
+    again up to ``retries`` times; then its error is raised, and in two dimensions written as a row.
+
+    The store, a Zarr folder, has each of the ``results`` of the specification over (plate, place), by default
+    ``turning_point_shift_m`` and ``level_db``, ``status`` and a variable ``vary_..`` for each field that varies over plate, and the
+    coordinate ``place_m`` over place. A plate that the plate file refuses, or that has no boundary at a place, has NaN, and its
+    status says why.
 
     Raises ``OutOfRange`` and ``BadFile`` for the specification; ``BadFile`` if the store is that of another specification,
     seed, chunk or version of this package.
     """
-    study = _Study(_text(spec))
+    study = _Study(spec_text(spec))
     if not 0 <= retries <= _RETRIES_MAX:
         raise OutOfRange(f"retries = {retries}: must be 0 to {_RETRIES_MAX}", "retries", retries, 0, _RETRIES_MAX)
     if chunk is not None and not 1 <= chunk <= study.count:
         raise OutOfRange(f"chunk = {chunk}: must be 1 to {study.count}", "chunk", chunk, 1, study.count)
-    kept = StudyStore.open(Path(store), study, chunk, lambda: _plates_of_a_chunk(study))
+    if not 1 <= first_worker_s <= _WEEK_S:
+        raise OutOfRange(f"first_worker_s = {first_worker_s}: must be 1 to {_WEEK_S:.0f} s", "first_worker_s", first_worker_s, 1, _WEEK_S)
+    kept = StudyStore.open(Path(store), study, chunk, _usual_chunk(study.count, study.is_2d))
     due = kept.due()
     if due:
-        workers = ThreadWorkers(study) if address is None else ClusterWorkers(study, address)
+        workers = ThreadWorkers(study) if address is None else ClusterWorkers(study, address, first_worker_s)
         try:
-            _compute(kept, due, workers, retries)
+            _compute(kept, due, workers, retries, fails=not study.is_2d)
         finally:
             workers.close()
     return kept.dataset()
@@ -80,11 +110,14 @@ def plate(spec: Spec, i: int) -> Plate:
 
     Raises ``OutOfRange`` if there is none, and for a number that the plate file refuses.
     """
-    return _Study(_text(spec)).plate(i)
+    return _Study(spec_text(spec)).plate(i)
 
 
-def _compute(kept: StudyStore, due: list[tuple[int, int]], workers: ThreadWorkers | ClusterWorkers, retries: int) -> None:
-    """Computes these ranges and writes each as it comes: this process alone writes."""
+def _compute(
+    kept: StudyStore, due: list[tuple[int, int]], workers: ThreadWorkers | ClusterWorkers, retries: int, *, fails: bool
+) -> None:
+    """Computes these ranges and writes each as it comes: this process alone writes. Of a range that cannot be computed the error is
+    raised where it ``fails``, and otherwise the range is written as failed."""
     failed: Counter[int] = Counter()
     progress = _Progress(kept.count, sum(end - first for first, end in due))
     waiting = due[::-1]
@@ -103,9 +136,13 @@ def _compute(kept: StudyStore, due: list[tuple[int, int]], workers: ThreadWorker
                 raise
             except Exception:
                 failed[span[0]] += 1
-                if failed[span[0]] > retries:
+                if failed[span[0]] <= retries:
+                    waiting.append(span)
+                    continue
+                if fails:
                     raise
-                waiting.append(span)
+                kept.write_failed(span)
+                progress.add(span[1] - span[0])
                 continue
             kept.write(span, results)
             progress.add(span[1] - span[0])
@@ -113,16 +150,9 @@ def _compute(kept: StudyStore, due: list[tuple[int, int]], workers: ThreadWorker
         progress.end()
 
 
-def _plates_of_a_chunk(study: _Study) -> int:
-    """The plates of about 0.7 s on this computer, by a probe."""
-    plates = 1
-    while True:
-        begin_s = time.perf_counter()
-        study.run(0, plates)
-        took_s = time.perf_counter() - begin_s
-        if took_s > 0.03 or plates >= study.count:
-            return max(1, min(study.count, round(_CHUNK_S * plates / took_s)))
-        plates = min(4 * plates, study.count)
+def _usual_chunk(count: int, is_2d: bool) -> int:
+    """The plates of a chunk, by the count alone: a store may move to another computer."""
+    return 1 if is_2d else min(-(-count // _CHUNKS), _CHUNK_MAX)
 
 
 class _Progress:
@@ -147,7 +177,7 @@ class _Progress:
             print(file=sys.stderr)
 
 
-def _text(spec: Spec) -> str:
+def spec_text(spec: Spec) -> str:
     """The text of a specification: of a file, or of its fields."""
     if isinstance(spec, Mapping):
         fields = dict(spec)

@@ -3,6 +3,7 @@
 use crate::arguments::{items, one_of, optional};
 use crate::error::Failure;
 use crate::feeling;
+use crate::measurement::Measurement as PyMeasurement;
 use crate::place::{LEVEL, no_such_tone};
 use crate::plate::Plate as PyPlate;
 use crate::result::kind::Calibration;
@@ -37,6 +38,8 @@ pub(crate) fn run(
     touches: Option<FeltEdgesRequest>,
 ) -> PyResult<Answer<Calibration>> {
     let file = Arc::clone(plate);
+    let kept = measurements.iter().map(|it| Py::new(py, PyMeasurement::from(Arc::clone(it))));
+    let kept = kept.collect::<PyResult<Vec<_>>>()?;
     let (found, calibrated) = compute(py, move |progress| {
         let (nominal, priors) = with_calipers(&file, calipers).map_err(|error| Failure::of(&error))?;
         let found = match (&touches, measured(&measurements, current)) {
@@ -53,7 +56,7 @@ pub(crate) fn run(
         answer(&file, found)
     })?;
     let calibrated = calibrated.map(|plate| Py::new(py, PyPlate::from(plate))).transpose()?;
-    Answer::of(py, found)?.with(py, "plate", calibrated)
+    Answer::of(py, found)?.with(py, "plate", calibrated)?.with(py, "measurements", kept)
 }
 
 type Fields = serde_json::Map<String, serde_json::Value>;

@@ -33,6 +33,12 @@ pub(crate) struct Measurement {
     source: Option<String>,
 }
 
+impl From<Arc<slipline_plate::calibrate::Measurement>> for Measurement {
+    fn from(inner: Arc<slipline_plate::calibrate::Measurement>) -> Self {
+        Self { inner, source: None }
+    }
+}
+
 impl From<slipline_plate::calibrate::Measurement> for Measurement {
     fn from(inner: slipline_plate::calibrate::Measurement) -> Self {
         Self { inner: Arc::new(inner), source: None }

@@ -6,16 +6,11 @@ use crate::plate::{Plate, check_length, file_failure, named};
 use crate::waiting::compute;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use slipline_model::study::{Draft, SPEC_BYTES_MAX, Spec, Status, Varied};
+use slipline_model::study::{Draft, Kind, SPEC_BYTES_MAX, Spec, Status, Varied};
 use slipline_plate::quantity::{OutOfRange, Range};
 
-/// A range's results: `status` as `int8`, the fields that vary, the shifts in metres and the levels in dB.
-type Results<'py> = (
-    Bound<'py, PyArray1<i8>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-);
+/// A range's results: `status` as `int8`, the fields that vary, and each result.
+type Results<'py> = (Bound<'py, PyArray1<i8>>, Bound<'py, PyArray2<f64>>, Vec<Bound<'py, PyArray2<f64>>>);
 
 /// A study: the plates of a specification, each driven by the nominal plate's table.
 ///
@@ -70,28 +65,40 @@ impl Study {
         self.spec().varied().iter().map(of).collect()
     }
 
+    /// Its results, each with its unit and its meaning.
+    #[getter]
+    fn results(&self) -> Vec<(&'static str, &'static str, &'static str)> {
+        self.spec().results().iter().map(|it| (it.name(), it.unit(), it.meaning())).collect()
+    }
+
+    /// Whether each plate is solved in two dimensions.
+    #[getter]
+    fn is_2d(&self) -> bool {
+        self.spec().kind() == Kind::Plane
+    }
+
     /// The meaning of each number of a status, from 0.
     #[classattr]
     fn meanings() -> Vec<&'static str> {
         Status::ALL.iter().map(|status| status.meaning()).collect()
     }
 
-    /// The plates ``first`` to ``end`` (excluded): ``status`` (plates,), the fields that vary (plates, fields), the shifts of
-    /// the turning points in metres and the levels in dB (plates, places). Other threads run meanwhile.
+    /// The plates ``first`` to ``end`` (excluded): ``status`` (plates,), the fields that vary (plates, fields), and of each result
+    /// its numbers (plates, places). Other threads run meanwhile.
     fn run<'py>(&self, py: Python<'py>, first: u64, end: u64) -> PyResult<Results<'py>> {
         let end = end.min(self.count());
         // The results are refused before they are computed where they have no room.
-        let numbers = self.spec().varied().len() + 2 * self.spec().turning_point_m().len();
+        let (fields, places) = (self.spec().varied().len(), self.spec().turning_point_m().len());
+        let numbers = fields + self.spec().results().len() * places;
         drop(reserved::<f64>(numbers.saturating_mul(end.saturating_sub(first) as usize))?);
         let chunk = py.detach(|| self.inner.run_range(first..end));
         let plates = chunk.status.len();
         let status = chunk.status.iter().map(|&status| status as i8).collect();
-        let (fields, places) = (self.spec().varied().len(), self.spec().turning_point_m().len());
+        let result = |numbers| PyArray1::from_vec(py, numbers).reshape([plates, places]);
         Ok((
             PyArray1::from_vec(py, status),
             PyArray1::from_vec(py, chunk.varied).reshape([plates, fields])?,
-            PyArray1::from_vec(py, chunk.turning_point_shift_m).reshape([plates, places])?,
-            PyArray1::from_vec(py, chunk.level_db).reshape([plates, places])?,
+            chunk.results.into_iter().map(result).collect::<PyResult<_>>()?,
         ))
     }
 

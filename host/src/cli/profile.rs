@@ -66,11 +66,7 @@ fn read(file: &Path) -> Result<ActuatorProfile, Failure> {
 }
 
 fn show(report: &Arc<ProfileReport>, as_json: bool) -> Result<(), Failure> {
-    let value = json!({
-        "stored": format!("{:?}", report.stored),
-        "profile": report.profile.as_ref().map(profile_file::fields),
-    });
-    output::print(as_json, &value, |out| match &report.profile {
+    output::print(as_json, &json!(profile_file::answer(report)), |out| match &report.profile {
         Some(profile) => write!(out, "{}", profile_file::write(profile)),
         None => writeln!(out, "The device keeps no profile of its actuator."),
     })

@@ -76,15 +76,25 @@ pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failu
     let port = if arguments.socket.is_some() { format!("unix:{path}") } else { path.clone() };
     output::print(as_json, &json!({ "path": path, "port": port }), |out| {
         writeln!(out, "The simulated device is at {path}, for Slipline --port {port}. Ctrl-C ends it.")?;
-        writeln!(out, "Enter raises its trigger input.")
+        writeln!(
+            out,
+            "Enter raises its trigger input; the lines press and release are its user button, open and close its stop input."
+        )
     })?;
     let device = RealtimeDevice::new(simulated, system_clock());
     let device = Arc::new(Mutex::new(device));
     let triggered = Arc::clone(&device);
     // It ends with the input or with the program.
     let follow = move || {
-        for _line in std::io::stdin().lines().map_while(Result::ok) {
-            triggered.lock().unwrap_or_else(PoisonError::into_inner).raise_trigger();
+        for line in std::io::stdin().lines().map_while(Result::ok) {
+            let mut device = triggered.lock().unwrap_or_else(PoisonError::into_inner);
+            match line.trim() {
+                "press" => device.press_button(true),
+                "release" => device.press_button(false),
+                "open" => device.open_stop_input(true),
+                "close" => device.open_stop_input(false),
+                _ => device.raise_trigger(),
+            }
         }
     };
     std::thread::Builder::new().spawn(follow).map_err(|error| Failure::Failed(said(&error)))?;

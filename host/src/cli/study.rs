@@ -5,9 +5,10 @@ use super::failure::Failure;
 use super::source::text_of;
 use super::{argument, output, progress};
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use slipline_model::study::{
-    Chunk, Draft, SPEC_BYTES_MAX, Spec, Statistics, Status, Study, Summary, csv, run_in_order,
+    Chunk, Draft, Kind, SPEC_BYTES_MAX, Spec, Statistics, Status, Study, StudyResult, Summary, csv,
+    run_in_order,
 };
 use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{show_frequency, show_length, show_place};
@@ -15,16 +16,18 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
 
-/// Plates between two reports of progress: some milliseconds of work.
+/// Plates between two reports of progress, of the one-mode equation: some milliseconds of work.
 const PLATES_AT_ONCE: u64 = 32;
+/// Results in one table of the text.
+const RESULTS_IN_A_TABLE: usize = 2;
 /// Most threads.
 const THREADS_MAX: usize = 256;
 
 /// `study`.
 #[derive(Debug, Args)]
 pub struct StudyArguments {
-    /// The specification, a TOML file: plate, seed, count, turning_point_m, and [vary] with the fields that vary. PLATES.md
-    /// describes it.
+    /// The specification, a TOML file: plate, seed, count, turning_point_m, kind, results, and [vary] with the fields that vary.
+    /// PLATES.md describes it.
     #[arg(value_name = "SPEC.toml")]
     spec: PathBuf,
     /// Threads, 1 to 256; by default, one for each processor. The numbers are the same.
@@ -66,17 +69,13 @@ pub(super) fn run(arguments: &StudyArguments, as_json: bool) -> Result<(), Failu
             .collect::<Vec<_>>(),
         "turning_points": places()
             .map(|(place, (place_m, frequency_hz))| {
-                let [shift, level] = summary.at_place(place).map_or([None; 2], |both| both.map(Some));
-                json!({
-                    "turning_point_m": place_m,
-                    "frequency_hz": frequency_hz,
-                    "shift_mean_m": shift.map(|it| it.mean),
-                    "shift_deviation_m": shift.and_then(|it| it.standard_deviation),
-                    "shift_quantiles_m": shift.map(|it| it.quantiles),
-                    "level_mean_db": level.map(|it| it.mean),
-                    "level_deviation_db": level.and_then(|it| it.standard_deviation),
-                    "level_quantiles_db": level.map(|it| it.quantiles),
-                })
+                let mut value = Map::new();
+                value.insert("turning_point_m".to_owned(), json!(place_m));
+                value.insert("frequency_hz".to_owned(), json!(frequency_hz));
+                for (number, result) in study.spec().results().iter().enumerate() {
+                    value.extend(fields(*result, summary.of(number, place)));
+                }
+                Value::Object(value)
             })
             .collect::<Vec<Value>>(),
         "quantiles": Statistics::SHARES,
@@ -86,20 +85,20 @@ pub(super) fn run(arguments: &StudyArguments, as_json: bool) -> Result<(), Failu
         let plates: Vec<String> =
             counts().map(|(status, count)| format!("{count} {}", words(status))).collect();
         writeln!(out, "Plates around {}: {}", study.nominal().name(), plates.join(", "))?;
-        let rows = places()
-            .map(|(place, (place_m, frequency_hz))| row(*place_m, *frequency_hz, summary.at_place(place)));
-        let header = [
-            "Turning point",
-            "Frequency",
-            "Shift",
-            "deviation",
-            "5 to 95 %",
-            "Level",
-            "deviation",
-            "5 to 95 %",
-        ];
-        let header = header.map(str::to_owned).to_vec();
-        output::table(out, &std::iter::once(header).chain(rows).collect::<Vec<_>>())?;
+        let results: Vec<(usize, StudyResult)> = study.spec().results().iter().copied().enumerate().collect();
+        for shown in results.chunks(RESULTS_IN_A_TABLE) {
+            let words = shown.iter().flat_map(|(_, result)| [heading(*result), "deviation", "5 to 95 %"]);
+            let header = ["Turning point", "Frequency"].into_iter().chain(words).map(str::to_owned).collect();
+            let row = |(place, (place_m, frequency_hz)): (usize, (&f64, &f64))| {
+                let cells =
+                    shown.iter().flat_map(|(number, result)| cells(*result, summary.of(*number, place)));
+                [show_place(*place_m), show_frequency(*frequency_hz)].into_iter().chain(cells).collect()
+            };
+            output::table(
+                out,
+                &std::iter::once(header).chain(places().map(row)).collect::<Vec<Vec<String>>>(),
+            )?;
+        }
         arguments.out.iter().try_for_each(|path| writeln!(out, "Written to {}", path.display()))
     })
 }
@@ -122,7 +121,11 @@ fn compute(
     progress::watched("plates", |progress| {
         let mut done = 0;
         let mut written = Ok(());
-        run_in_order(study, threads, PLATES_AT_ONCE, |chunk| {
+        let plates_at_once = match study.spec().kind() {
+            Kind::OneMode => PLATES_AT_ONCE,
+            Kind::Plane => 1,
+        };
+        run_in_order(study, threads, plates_at_once, |chunk| {
             summary.add(&chunk);
             written = each(&chunk);
             done += chunk.status.len();
@@ -136,16 +139,43 @@ fn words(status: Status) -> String {
     status.meaning().replace('_', " ")
 }
 
-fn row(place_m: f64, frequency_hz: f64, found: Option<[Statistics; 2]>) -> Vec<String> {
-    let of = |statistics: Statistics, show: fn(f64) -> String| {
-        let [low, _, high] = statistics.quantiles.map(show);
-        let deviation = statistics.standard_deviation.map_or_else(|| "-".to_owned(), show);
-        [show(statistics.mean), deviation, format!("{low} to {high}")]
+/// The fields of a result's statistics at a place: `shift_mean_m`, `shift_deviation_m`, `shift_quantiles_m`.
+fn fields(result: StudyResult, found: Option<Statistics>) -> [(String, Value); 3] {
+    let unit = result.unit().to_lowercase();
+    let stem = result.name().trim_end_matches(&unit).trim_end_matches('_');
+    let stem = stem.trim_start_matches("turning_point_");
+    [
+        (format!("{stem}_mean_{unit}"), json!(found.map(|it| it.mean))),
+        (format!("{stem}_deviation_{unit}"), json!(found.and_then(|it| it.standard_deviation))),
+        (format!("{stem}_quantiles_{unit}"), json!(found.map(|it| it.quantiles))),
+    ]
+}
+
+const fn heading(result: StudyResult) -> &'static str {
+    match result {
+        StudyResult::TurningPointShift => "Shift",
+        StudyResult::Level => "Level",
+        StudyResult::PeakShift => "Peak's shift",
+        StudyResult::FeltEdge => "Felt edge",
+        StudyResult::Contrast => "Contrast",
+        StudyResult::Ripple => "Ripple",
+        StudyResult::Crest => "Crest",
+    }
+}
+
+/// Mean, deviation and quantiles of a result at a place.
+fn cells(result: StudyResult, found: Option<Statistics>) -> [String; 3] {
+    let Some(found) = found else { return ["-"; 3].map(str::to_owned) };
+    let show = |value: f64| match result {
+        StudyResult::FeltEdge => show_place(value),
+        StudyResult::TurningPointShift | StudyResult::PeakShift => show_length(value),
+        StudyResult::Level | StudyResult::Contrast | StudyResult::Ripple | StudyResult::Crest => {
+            format!("{} dB", with_decimals(value, 2))
+        }
     };
-    let decibels = |value: f64| format!("{} dB", with_decimals(value, 2));
-    let cells = match found {
-        Some([shift, level]) => [of(shift, show_length), of(level, decibels)].concat(),
-        None => vec!["-".to_owned(); 6],
-    };
-    [show_place(place_m), show_frequency(frequency_hz)].into_iter().chain(cells).collect()
+    let [low, _, high] = found.quantiles.map(show);
+    let deviation =
+        |value: f64| if result == StudyResult::FeltEdge { show_length(value) } else { show(value) };
+    let deviation = found.standard_deviation.map_or_else(|| "-".to_owned(), deviation);
+    [show(found.mean), deviation, format!("{low} to {high}")]
 }

@@ -7,9 +7,11 @@ use super::failure::Failure;
 use super::measuring::FrequenciesArgument;
 use super::output;
 use super::rig::PortArgument;
+use super::schema::with_files;
 use clap::Args;
-use serde_json::{Value, json};
-use slipline_instrument::measure::{PlayedSweep, Playing, QUIETER, SWEEP_S};
+use serde_json::json;
+use slipline_instrument::measure::{PlayedSweep, Playing, SWEEP_S};
+use slipline_instrument::requests::SweepAnswer;
 use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::show_frequency;
 use std::path::PathBuf;
@@ -51,50 +53,23 @@ pub(super) fn run_sweep(arguments: &SweepArguments, as_json: bool) -> Result<(),
     let played = run(&device, "sweep", playing.map_err(Failure::failed)?)?;
     let text = played.to_toml();
     out.write_measured(&text)?;
-    output::print(as_json, &value(&plate, &played, &out), |writer| {
-        output::lines(writer, &lines(plate.name(), &played, &out))
-    })
+    let answer = SweepAnswer::of(&plate, &played);
+    let value = with_files(json!(answer), Destination::names([&out]));
+    output::print(as_json, &value, |writer| output::lines(writer, &lines(&answer, &out)))
 }
 
-fn value(plate: &slipline_plate::Plate, played: &PlayedSweep, out: &Destination) -> Value {
-    let chirp = played.chirp();
-    json!({
-        "plate": plate.name(),
-        "sample_rate_hz": chirp.rate_hz,
-        "first_hz": chirp.ends_hz.0,
-        "last_hz": chirp.ends_hz.1,
-        "levels": [played.level(), QUIETER * played.level()],
-        "sweep_s": chirp.samples as f64 / chirp.rate_hz,
-        "apart_s": played.apart_s(),
-        "played_s": played.seconds(),
-        "files": Destination::names([out]),
-    })
-}
-
-fn lines(plate: &str, played: &PlayedSweep, out: &Destination) -> Vec<(&'static str, String)> {
-    let chirp = played.chirp();
-    let (first, last) = chirp.ends_hz;
+fn lines(
+    SweepAnswer { plate, first_hz, last_hz, levels, sweep_s, apart_s, .. }: &SweepAnswer<'_>,
+    out: &Destination,
+) -> Vec<(&'static str, String)> {
     let seconds = |value: f64| format!("{} s", with_decimals(value, 2));
+    let (first, last) = (show_frequency(*first_hz), show_frequency(*last_hz));
+    let [loud, quiet] = levels.map(|level| with_decimals(level, 3));
     vec![
-        ("Plate", plate.to_owned()),
-        (
-            "Sweep",
-            format!(
-                "{} to {} in {}, twice",
-                show_frequency(first),
-                show_frequency(last),
-                seconds(chirp.samples as f64 / chirp.rate_hz)
-            ),
-        ),
-        (
-            "Levels",
-            format!(
-                "{} and {}",
-                with_decimals(played.level(), 3),
-                with_decimals(QUIETER * played.level(), 3)
-            ),
-        ),
-        ("Apart", seconds(played.apart_s())),
+        ("Plate", (*plate).to_owned()),
+        ("Sweep", format!("{first} to {last} in {}, twice", seconds(*sweep_s))),
+        ("Levels", format!("{loud} and {quiet}")),
+        ("Apart", seconds(*apart_s)),
         ("Written to", out.path().display().to_string()),
     ]
 }

@@ -8,22 +8,19 @@ use super::measured_file::kind;
 use super::measuring::{BandArgument, ByDevice, Measurer};
 use super::output;
 use super::rig::PortArgument;
+use super::schema::with_files;
 use crate::signals::{self, Signal};
 use argument::Typed;
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 use slipline_instrument::measure::Sensor;
+use slipline_instrument::native::{TRIM_S, Trimming};
 use slipline_instrument::rig::RigOptions;
-use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{SensorKind, SpeedTrim, Trimmed, departure};
+use slipline_plate::calibrate::{SensorKind, SpeedTrim, Trimmed};
 use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{show_length, show_place};
 use std::path::PathBuf;
-use std::time::Instant;
-
-/// Longest time to watch, seconds.
-const WATCH_S: f64 = 86_400.0;
 
 /// `trim`.
 #[derive(Debug, Args)]
@@ -45,7 +42,7 @@ pub struct TrimArguments {
     level: f64,
     /// Repeat with one comb of tones for this time, up to 24h, print the wave speed each time, and write it to --out; Ctrl-C
     /// ends it before.
-    #[arg(long = "for", alias = "watch", value_name = "TIME", value_parser = argument::seconds(0.0, WATCH_S), allow_hyphen_values = true)]
+    #[arg(long = "for", alias = "watch", value_name = "TIME", value_parser = argument::seconds(TRIM_S.low, TRIM_S.high), allow_hyphen_values = true)]
     watch: Option<f64>,
     /// Write the plate file with the last wave speed.
     #[arg(long, value_name = "TRIMMED.toml", help_heading = "Output")]
@@ -69,28 +66,25 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
     let measurer = Measurer::new(&device, &plate, &request)?;
     let sensor = Sensor { place_m, kind: arguments.kind, input: 0 };
     let first = measurer.measure(sensor)?.measurement;
-    let trim = SpeedTrim::new(&plate, &first).map_err(Failure::failed)?;
+    let mut trim = Trimming::begin(&plate, &first).map_err(Failure::failed)?;
     let save = |plate: &Plate| out.iter().try_for_each(|out| out.write_measured(&plate.to_toml()));
     // Standard output takes the last plate only.
     let is_kept = out.as_ref().is_some_and(Destination::is_standard_output);
     let save_now = |plate: &Plate| if is_kept { Ok(()) } else { save(plate) };
     let closing = signals::end_by(device.stopper());
-    save_now(&trim.begin().plate)?;
-    let begun = Instant::now();
-    let (short, mut later) = (measurer.short(), Vec::new());
-    while arguments.watch.is_some_and(|watch_s| begun.elapsed().as_secs_f64() < watch_s) {
+    save_now(&trim.last().plate)?;
+    let short = measurer.short();
+    while trim.goes_on(arguments.watch) {
         let measured = match short.measure(sensor) {
             // Stopped by the signal: what was found before stands.
             Err(_) if signals::ended_by().is_some() => break,
             measured => measured?,
         };
-        let now = trim.later(&measured.measurement).map_err(Failure::failed)?;
-        let after_s = begun.elapsed().as_secs_f64();
+        let (after_s, now) = trim.add(&measured.measurement).map_err(Failure::failed)?;
         if !as_json {
-            output::note(format_args!("after {} s: {}", with_decimals(after_s, 1), interval(&now)));
+            output::note(format_args!("after {} s: {}", with_decimals(after_s, 1), interval(now)));
         }
         save_now(&now.plate)?;
-        later.push((after_s, now));
         if signals::ended_by().is_some() {
             break;
         }
@@ -100,37 +94,16 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
         device.disarm()?;
     }
     drop(closing);
-    let last = later.last().map_or(trim.begin(), |(_, now)| now);
+    let last = trim.last();
     if is_kept {
         save(&last.plate)?;
     }
-    let moved_m =
-        departure(&plate, &last.plate, f64::from(SAMPLE_RATE_HZ)).map_err(Failure::refused)?.boundary_m;
-    let value = json!({
-        "plate": plate.name(),
-        "place_m": place_m,
-        "begin": value(trim.begin()),
-        "later": later.iter().map(|(after_s, now)| {
-            let mut value = value(now);
-            value["after_s"] = json!(after_s);
-            value
-        }).collect::<Vec<_>>(),
-        "turning_point_error_m": moved_m,
-        "ended_by": ended_by.map_or("time", Signal::name),
-        "caution": trim.caution(),
-        "files": Destination::names(&out),
-    });
+    let answer =
+        trim.answer(&plate, place_m, ended_by.map_or("time", Signal::name)).map_err(Failure::refused)?;
+    let moved_m = answer.turning_point_error_m;
+    let value = with_files(json!(answer), Destination::names(&out));
     output::print(as_json, &value, |writer| {
         output::lines(writer, &lines(&plate, place_m, &trim, last, moved_m, out.as_ref()))
-    })
-}
-
-fn value(trimmed: &Trimmed) -> Value {
-    json!({
-        "wave_speed_share": trimmed.share,
-        "low": trimmed.low,
-        "high": trimmed.high,
-        "chi2_per_n": trimmed.chi2_per_n,
     })
 }
 
@@ -150,7 +123,7 @@ fn fit(trimmed: &Trimmed) -> String {
 fn lines(
     plate: &Plate,
     place_m: f64,
-    trim: &SpeedTrim,
+    trim: &Trimming,
     last: &Trimmed,
     moved_m: f64,
     out: Option<&Destination>,

@@ -11,6 +11,7 @@ use names::{NAMES, UNITS};
 use serde_json::Value;
 use slipline::cli::{EXAMPLES, SCHEMA};
 use slipline_link::simulator::Options;
+use slipline_model::study::StudyResult;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -22,6 +23,7 @@ const MORE: &[(&str, &str)] = &[
     ("drive", "drive --plate al-bending --turning-point 247mm --level 30% --hold --sensor 210mm --for 500ms"),
     ("simulate", "simulate --plate membrane --turning-point 160mm --sheet --for 50ms"),
     ("check", "check --plate al-sh"),
+    ("study", "study figures.toml"),
     ("texture", "texture --plate al-bending --profile profile.csv"),
     (
         "calibrate",
@@ -147,6 +149,9 @@ fn fields_of_all() -> Vec<(&'static str, Fields)> {
     }
     std::fs::write(folder.join("profile.csv"), "0,0\n0.1,1\n0.25,1\n0.3,0\n").unwrap();
     std::fs::write(folder.join("coil.toml"), COIL).unwrap();
+    let figures = format!("results = {:?}\ncount = 10", StudyResult::ALL.map(StudyResult::name));
+    let study = include_str!("../../assets/study.toml").replace("count = 1000", &figures);
+    std::fs::write(folder.join("figures.toml"), study.replace("[0.12, ", "[")).unwrap();
     std::fs::write(folder.join("near.txt"), include_str!("../../plate/tests/cases/table_ok_near.txt"))
         .unwrap();
     std::fs::write(folder.join("far.txt"), include_str!("../../plate/tests/cases/table_ok_far.txt")).unwrap();

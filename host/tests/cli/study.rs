@@ -1,7 +1,7 @@
 //! Studies: the same numbers by any number of threads, and what is refused.
 
 use super::{failure, file, json, number, refused, slipline};
-use slipline_model::study::{Draft, Study, csv};
+use slipline_model::study::{Draft, Study, StudyResult, csv};
 use slipline_plate::{Progress, preset};
 use std::path::Path;
 
@@ -42,8 +42,8 @@ fn a_study_has_the_same_bytes_by_one_thread_and_by_two_and_matches_the_library()
     assert_eq!(value["plates"].as_array().unwrap().len(), 1);
     for (place, of_place) in value["turning_points"].as_array().unwrap().iter().enumerate() {
         let mean = |all: &[f64]| all.iter().skip(place).step_by(3).sum::<f64>() / 200.0;
-        assert!((number(of_place, "shift_mean_m") - mean(&whole.turning_point_shift_m)).abs() < 1e-12);
-        assert!((number(of_place, "level_mean_db") - mean(&whole.level_db)).abs() < 1e-9);
+        assert!((number(of_place, "shift_mean_m") - mean(&whole.results[0])).abs() < 1e-12);
+        assert!((number(of_place, "level_mean_db") - mean(&whole.results[1])).abs() < 1e-9);
         assert_eq!(number(of_place, "turning_point_m"), [0.12, 0.18, 0.24][place]);
         // 1 % of wave speed and up to 2 % of the taper's rate.
         assert!((2e-3..4e-3).contains(&number(of_place, "shift_deviation_m")));
@@ -55,6 +55,42 @@ fn a_study_has_the_same_bytes_by_one_thread_and_by_two_and_matches_the_library()
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success() && text.contains("Plates around membrane: 200 done"), "{text}");
     std::fs::remove_file(spec).unwrap();
+}
+
+#[test]
+fn every_result_is_printed_by_its_name_and_two_dimensions_one_plate_at_once() {
+    let all: Vec<&str> = StudyResult::ALL.iter().map(|it| it.name()).collect();
+    let text =
+        EXAMPLE.replace("count = 1000", &format!("count = 5\nresults = {all:?}")).replace("0.12, ", "");
+    let spec = written("figures.toml", &text);
+    let out = file("figures.csv");
+    let value = json(&["study", &spec, "--out", out.to_str().unwrap()]);
+    let rows = taken(&out);
+    let header = rows.lines().find(|line| line.starts_with("plate,")).unwrap();
+    for name in &all {
+        assert!(header.contains(&format!(",{name}_at_0.24")), "{header}");
+    }
+    let [first, last] = [0, 1].map(|place| &value["turning_points"][place]);
+    assert!(number(first, "contrast_mean_db") > 20.0 && number(first, "ripple_mean_db") > 0.0);
+    assert!(number(first, "felt_edge_mean_m") > 0.2 && number(first, "crest_mean_db") > 0.0);
+    assert!(last["felt_edge_mean_m"].is_null(), "felt up to the plate's end");
+    let output = String::from_utf8(slipline(&["study", &spec]).stdout).unwrap();
+    for word in ["Shift", "Level", "Peak's shift", "Felt edge", "Contrast", "Ripple", "Crest"] {
+        assert!(output.contains(word), "{word}: {output}");
+    }
+    // In two dimensions the same bytes by one thread and by two.
+    let text = EXAMPLE.replace("count = 1000", "count = 3\nkind = \"2d\"");
+    let spec_2d = written("plane.toml", &text);
+    let outs = ["1", "2"].map(|threads| {
+        let out = file(&format!("plane-{threads}.csv"));
+        json(&["study", &spec_2d, "--threads", threads, "--out", out.to_str().unwrap()]);
+        taken(&out)
+    });
+    assert_eq!(outs[0], outs[1]);
+    assert!(outs[0].contains("level_db_at_0.12,peak_shift_m_at_0.12,level_db_at_0.18"), "{}", outs[0]);
+    for path in [spec, spec_2d] {
+        std::fs::remove_file(path).unwrap();
+    }
 }
 
 #[test]
@@ -89,6 +125,7 @@ fn what_a_study_cannot_do_is_refused_before_it_begins() {
         ("count = 1000", "count = 0", "count = 0: must be 1 to 1000000"),
         ("0.12", "0.02", "turning_point_m[0] = 0.02: must be 0.08 to 0.28 m, the plate's span"),
         ("seed", "sead", "line 4: unknown field `sead`"),
+        ("seed = 7", "kind = \"2\"\nseed = 7", "kind = \"2\": must be one of 1d, 2d"),
         ("\"membrane\"", "\"mambrane\"", "did you mean membrane?"),
     ] {
         assert!(EXAMPLE.contains(from), "{from}");

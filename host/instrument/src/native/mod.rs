@@ -8,6 +8,7 @@ mod interruptible;
 mod measurer;
 mod procedures;
 mod sender;
+mod trimming;
 mod wait;
 
 pub use arming::ArmingConsent;
@@ -16,3 +17,4 @@ pub use error::{ClientError, StandingFaults};
 pub use interruptible::InterruptibleLink;
 pub use measurer::Measurer;
 pub use sender::TimedDrive;
+pub use trimming::{LaterAnswer, TRIM_S, TrimAnswer, TrimmedAnswer, Trimming};

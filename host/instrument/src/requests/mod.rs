@@ -13,10 +13,12 @@ mod calibrate;
 mod feeling;
 mod measure;
 mod simulate;
+mod sweep;
 mod tones;
 
 pub use calibrate::{FeltEdgeError, FeltEdgeRequest, FeltEdgesRequest, measured};
 pub use feeling::NamedFeeling;
 pub use measure::{Frequencies, IncompleteCircuit, MeasureRequest, circuit_of};
 pub use simulate::{PlannedSimulation, SimulateRequest};
+pub use sweep::SweepAnswer;
 pub use tones::ToneRequest;

@@ -54,6 +54,12 @@ impl RealtimeDevice {
         self.device.press_button(is_pressed);
     }
 
+    /// Opens or closes the stop input, see [`SimulatedDevice::open_stop_input`].
+    pub fn open_stop_input(&mut self, is_open: bool) {
+        self.catch_up();
+        self.device.open_stop_input(is_open);
+    }
+
     /// Whether a drive waits for its trigger input.
     #[must_use]
     pub fn waits_for_trigger(&self) -> bool {

@@ -16,12 +16,24 @@ pub enum Status {
     TooHigh = 4,
     /// At one place or more the amplitude is zero or not finite.
     Silent = 5,
+    /// At one place or more the plate in two dimensions is not solved: too fine, or its air does not converge.
+    NotSolved = 6,
+    /// Its worker has failed at it again and again; only in stores.
+    WorkerFailed = 7,
 }
 
 impl Status {
     /// Every status, by its number.
-    pub const ALL: [Self; 6] =
-        [Self::NotYet, Self::Done, Self::Refused, Self::CannotEnter, Self::TooHigh, Self::Silent];
+    pub const ALL: [Self; 8] = [
+        Self::NotYet,
+        Self::Done,
+        Self::Refused,
+        Self::CannotEnter,
+        Self::TooHigh,
+        Self::Silent,
+        Self::NotSolved,
+        Self::WorkerFailed,
+    ];
 
     /// Its meaning in one word, for a store's `flag_meanings` and a table's column.
     #[must_use]
@@ -33,6 +45,8 @@ impl Status {
             Self::CannotEnter => "wave_does_not_enter",
             Self::TooHigh => "turns_far_beyond_the_end",
             Self::Silent => "no_amplitude",
+            Self::NotSolved => "not_solved",
+            Self::WorkerFailed => "worker_failed",
         }
     }
 }
@@ -46,15 +60,12 @@ pub struct Chunk {
     pub status: Vec<Status>,
     /// The varied fields of each plate, in the unit of the plate file, in the order of [`super::Spec::varied`].
     pub varied: Vec<f64>,
-    /// How far the boundary is from its place on the nominal plate, metres, by plate and place; positive is farther from the
-    /// drive. NaN where there is none.
-    pub turning_point_shift_m: Vec<f64>,
-    /// The peak over the nominal plate's peak, dB, by plate and place. NaN where there is none.
-    pub level_db: Vec<f64>,
+    /// The numbers of each of [`super::Spec::results`], by plate and place.
+    pub results: Vec<Vec<f64>>,
 }
 
 impl Chunk {
-    pub(super) fn empty(first: u64) -> Self {
-        Self { first, ..Self::default() }
+    pub(super) fn empty(first: u64, results: usize) -> Self {
+        Self { first, results: vec![Vec::new(); results], ..Self::default() }
     }
 }

@@ -10,7 +10,9 @@ pub fn head(study: &Study) -> String {
     let spec = study.spec();
     let mut text =
         format!("# Study of {} plates around {:?}, by Slipline\n", spec.count(), study.nominal().name());
-    text.push_str("# turning_point_shift_m: from its place on the nominal plate, by the same tone; level_db: peak over the nominal plate's peak\n");
+    for result in spec.results() {
+        let _ = writeln!(text, "# {}: {}", result.name(), result.meaning());
+    }
     text.push_str("# units: SI; an empty cell has no value, and status says why. The specification:\n");
     for line in spec.to_toml().lines() {
         let _ = writeln!(text, "{}", format!("# {line}").trim_end());
@@ -20,7 +22,9 @@ pub fn head(study: &Study) -> String {
         let _ = write!(text, ",{}", varied.column());
     }
     for place_m in spec.turning_point_m() {
-        let _ = write!(text, ",turning_point_shift_m_at_{place_m},level_db_at_{place_m}");
+        for result in spec.results() {
+            let _ = write!(text, ",{}_at_{place_m}", result.name());
+        }
     }
     text.push('\n');
     text
@@ -36,11 +40,10 @@ pub fn rows(study: &Study, chunk: &Chunk) -> String {
         for value in &chunk.varied[row * fields..][..fields] {
             let _ = write!(text, ",{value:e}");
         }
-        let shifts_m = &chunk.turning_point_shift_m[row * places..][..places];
-        for (shift_m, level_db) in shifts_m.iter().zip(&chunk.level_db[row * places..]) {
-            for value in [shift_m, level_db] {
-                if value.is_finite() {
-                    let _ = write!(text, ",{value:e}");
+        for place in row * places..(row + 1) * places {
+            for numbers in &chunk.results {
+                if numbers[place].is_finite() {
+                    let _ = write!(text, ",{:e}", numbers[place]);
                 } else {
                     text.push(',');
                 }

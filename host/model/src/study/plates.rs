@@ -2,33 +2,13 @@
 
 use super::chunk::{Chunk, Status};
 use super::draw::{Draw, path_hash};
+use super::drives::Drives;
+use super::error::StudyError;
 use super::spec::Spec;
 use crate::field::simulation::SAMPLE_RATE_HZ;
 use crate::jobs::table::KNOTS;
-use slipline_plate::{
-    Boundary, DriveTable, NoBoundary, Plate, PlateError, PlateFile, PlateFileError, Progress, TableError,
-    boundaries, quantity::decibels,
-};
+use slipline_plate::{DriveTable, Plate, PlateError, PlateFile, PlateFileError, Progress};
 use std::ops::Range;
-
-/// Why a study cannot begin.
-#[derive(Debug, thiserror::Error)]
-pub enum StudyError {
-    /// The nominal plate has no table.
-    #[error("{0}")]
-    Table(#[from] TableError),
-    /// The nominal plate has no boundary at a place.
-    #[error("turning_point_m = {place_m}: {why}")]
-    Place {
-        /// The place, metres.
-        place_m: f64,
-        /// Why.
-        why: NoBoundary,
-    },
-    /// The specification's plate is refused.
-    #[error("plate: {0}")]
-    Plate(#[from] PlateFileError),
-}
 
 /// A specification with the nominal plate's drive, ready for any range of its plates.
 ///
@@ -50,9 +30,7 @@ pub struct Study {
     nominal: Plate,
     /// The hashes of the varied fields' paths.
     hashes: Vec<u64>,
-    /// The frequency of each place, Hz, and its boundary on the nominal plate.
-    frequencies_hz: Vec<f64>,
-    boundaries: Vec<Boundary>,
+    drives: Drives,
 }
 
 impl Study {
@@ -64,14 +42,9 @@ impl Study {
         let (_, nominal) = PlateFile::parse(&spec.plate_text)?;
         let rate_hz = f64::from(SAMPLE_RATE_HZ);
         let table = DriveTable::build_watched(&nominal, rate_hz, KNOTS, progress)?;
-        let frequencies_hz: Vec<f64> =
-            spec.turning_point_m.iter().map(|&place_m| table.frequency_hz(place_m)).collect();
-        let found = boundaries(&nominal, &frequencies_hz, rate_hz).into_iter().zip(&spec.turning_point_m);
-        let boundaries = found
-            .map(|(found, &place_m)| found.map_err(|why| StudyError::Place { place_m, why }))
-            .collect::<Result<_, _>>()?;
+        let drives = Drives::new(&spec, &nominal, table)?;
         let hashes = spec.varied.iter().map(|varied| path_hash(&varied.path)).collect();
-        Ok(Self { spec, nominal, hashes, frequencies_hz, boundaries })
+        Ok(Self { spec, nominal, hashes, drives })
     }
 
     /// The specification.
@@ -89,7 +62,7 @@ impl Study {
     /// The frequency of each place, Hz.
     #[must_use]
     pub fn frequencies_hz(&self) -> &[f64] {
-        &self.frequencies_hz
+        self.drives.frequencies_hz()
     }
 
     /// The varied fields of a plate, in the unit of the plate file.
@@ -121,17 +94,16 @@ impl Study {
     /// reason, and never fails the range.
     #[must_use]
     pub fn run_range(&self, plates: Range<u64>) -> Chunk {
-        let mut chunk = Chunk::empty(plates.start);
+        let mut chunk = Chunk::empty(plates.start, self.spec.results.len());
         // The text has been parsed before, so that it does not fail here.
         let Ok((file, _)) = PlateFile::parse(&self.spec.plate_text) else { return chunk };
+        let palette = self.drives.palette(&self.nominal);
         for plate in plates {
             let values = self.varied(plate);
             let status = match self.plate_of(&file, &values) {
-                Ok(plate) => self.drive(&plate, &mut chunk),
+                Ok(plate) => self.drives.add(&plate, palette.as_ref(), &mut chunk),
                 Err(_) => {
-                    let none = std::iter::repeat_n(f64::NAN, self.frequencies_hz.len());
-                    chunk.turning_point_shift_m.extend(none.clone());
-                    chunk.level_db.extend(none);
+                    self.drives.skip(&mut chunk);
                     Status::Refused
                 }
             };
@@ -139,34 +111,6 @@ impl Study {
             chunk.varied.extend(values);
         }
         chunk
-    }
-
-    /// Appends what the nominal plate's table does on a plate.
-    fn drive(&self, plate: &Plate, chunk: &mut Chunk) -> Status {
-        let found = boundaries(plate, &self.frequencies_hz, f64::from(SAMPLE_RATE_HZ));
-        let mut status = Status::Done;
-        for (found, nominal) in found.into_iter().zip(&self.boundaries) {
-            let (shift_m, level_db) = match found {
-                Ok(boundary) => (
-                    boundary.turning_point_m - nominal.turning_point_m,
-                    decibels(boundary.peak_m / nominal.peak_m),
-                ),
-                Err(why) => {
-                    // The first place without a boundary gives the reason.
-                    if status == Status::Done {
-                        status = match why {
-                            NoBoundary::CannotEnter => Status::CannotEnter,
-                            NoBoundary::TooHigh => Status::TooHigh,
-                            NoBoundary::Silent => Status::Silent,
-                        };
-                    }
-                    (f64::NAN, f64::NAN)
-                }
-            };
-            chunk.turning_point_shift_m.push(shift_m);
-            chunk.level_db.push(level_db);
-        }
-        status
     }
 }
 

@@ -5,6 +5,8 @@
 //! seed = 7                       # 0 to 9223372036854775807
 //! count = 10000                  # plates, 1 to 1 000 000
 //! turning_point_m = [0.12, 0.18] # 1 to 64 places on the span of the plate
+//! kind = "1d"                    # or "2d": each plate in two dimensions
+//! results = ["level_db"]         # 1 to 7 of StudyResult::ALL
 //! [vary]                         # 1 to 32 numbers of the plate file, each times
 //! "model.wave_speed_m_per_s" = { normal = 0.01 }   # 1 + 0.01 z, z standard normal; 0 to 1
 //! loss_factor = { log_normal = 0.3 }               # e^(0.3 z); 0 to 3
@@ -12,6 +14,7 @@
 //! ```
 
 use super::law::Law;
+use super::results::{Kind, StudyResult};
 use serde::{Deserialize, Serialize};
 use slipline_plate::quantity::{Count, Counted, Range, WrongCount, nearest};
 use slipline_plate::{Plate, PlateError, PlateFile, PlateFileError};
@@ -23,6 +26,8 @@ pub const SPEC_BYTES_MAX: usize = 1 << 21;
 pub(crate) const COUNT_MAX: u64 = 1_000_000;
 /// Most places of a study.
 pub(crate) const PLACES_MAX: usize = 64;
+/// Most names of results: a name may stand twice.
+const RESULTS_MAX: usize = 64;
 /// Most fields that vary.
 const VARIED_MAX: usize = 32;
 
@@ -57,6 +62,10 @@ struct SpecText {
     seed: i64,
     count: i64,
     turning_point_m: Vec<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    kind: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    results: Option<Vec<String>>,
     vary: BTreeMap<String, Law>,
     plate: toml::Value,
 }
@@ -67,6 +76,8 @@ pub struct Draft {
     seed: u64,
     count: u64,
     turning_point_m: Vec<f64>,
+    kind: Kind,
+    results: Vec<StudyResult>,
     vary: BTreeMap<String, Law>,
     plate: PlateOf,
 }
@@ -102,6 +113,9 @@ pub struct Spec {
     pub(super) seed: u64,
     pub(super) count: u64,
     pub(super) turning_point_m: Vec<f64>,
+    pub(super) kind: Kind,
+    /// In the order of their columns.
+    pub(super) results: Vec<StudyResult>,
     /// In the order of their paths.
     pub(super) varied: Vec<Varied>,
     /// The nominal plate's file, with every field.
@@ -121,6 +135,14 @@ impl Draft {
         let count = whole("count", parsed.count, 1, COUNT_MAX)?;
         let places = Count::new(1, PLACES_MAX, Counted::Points);
         places.check("turning_point_m", parsed.turning_point_m.len())?;
+        let kind = parsed.kind.as_deref().map_or(Ok(Kind::default()), Kind::of)?;
+        let results = match &parsed.results {
+            None => kind.usual_results().to_vec(),
+            Some(names) => {
+                Count::new(1, RESULTS_MAX, Counted::Fields).check("results", names.len())?;
+                StudyResult::read(names, kind)?
+            }
+        };
         Count::new(1, VARIED_MAX, Counted::Fields).check("vary", parsed.vary.len())?;
         for (path, law) in &parsed.vary {
             let (width, range) = law.width();
@@ -143,7 +165,7 @@ impl Draft {
             }
         };
         let SpecText { turning_point_m, vary, .. } = parsed;
-        Ok(Self { seed, count, turning_point_m, vary, plate })
+        Ok(Self { seed, count, turning_point_m, kind, results, vary, plate })
     }
 
     /// The preset or file that the caller is to find; `None` if the specification has its plate in it.
@@ -160,7 +182,7 @@ impl Draft {
     /// # Errors
     /// [`SpecError`]: a place that is not on the plate's span, a field that the plate has no number for.
     pub fn finish(self, named: Option<Plate>) -> Result<Spec, SpecError> {
-        let Self { seed, count, turning_point_m, vary, plate } = self;
+        let Self { seed, count, turning_point_m, kind, results, vary, plate } = self;
         let plate = match (plate, named) {
             (PlateOf::Own(plate), _) => *plate,
             (PlateOf::Named(_), Some(plate)) => plate,
@@ -178,7 +200,7 @@ impl Draft {
         let numbers = PlateFile::parse(&plate_text)?.0.numbers();
         let varied = vary.into_iter().map(|(path, law)| varied(path, law, &numbers));
         let varied = varied.collect::<Result<_, _>>()?;
-        Ok(Spec { seed, count, turning_point_m, varied, plate_text })
+        Ok(Spec { seed, count, turning_point_m, kind, results, varied, plate_text })
     }
 }
 
@@ -201,6 +223,18 @@ impl Spec {
         &self.turning_point_m
     }
 
+    /// The equation by which each plate is solved.
+    #[must_use]
+    pub const fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// The results of each plate and place, in the order of their columns.
+    #[must_use]
+    pub fn results(&self) -> &[StudyResult] {
+        &self.results
+    }
+
     /// The fields that vary, in the order of their paths.
     #[must_use]
     pub fn varied(&self) -> &[Varied] {
@@ -211,10 +245,14 @@ impl Spec {
     /// [`Draft::parse`] reads it back.
     #[must_use]
     pub fn to_toml(&self) -> String {
+        // What is usual is left out, as before there was a choice: the text of an older study stays the same.
+        let names = || self.results.iter().map(|it| it.name().to_owned()).collect();
         let text = SpecText {
             seed: i64::try_from(self.seed).unwrap_or(i64::MAX),
             count: i64::try_from(self.count).unwrap_or(i64::MAX),
             turning_point_m: self.turning_point_m.clone(),
+            kind: (self.kind != Kind::default()).then(|| self.kind.name().to_owned()),
+            results: (self.results != self.kind.usual_results()).then(names),
             vary: self.varied.iter().map(|varied| (varied.path.clone(), varied.law)).collect(),
             plate: toml::Value::Table(toml::from_str(&self.plate_text).unwrap_or_default()),
         };

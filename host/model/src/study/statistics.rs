@@ -41,9 +41,8 @@ impl Statistics {
 #[derive(Clone, Debug)]
 pub struct Summary {
     counts: BTreeMap<Status, u64>,
-    /// By place.
-    shifts_m: Vec<Vec<f64>>,
-    levels_db: Vec<Vec<f64>>,
+    /// By result and place.
+    numbers: Vec<Vec<Vec<f64>>>,
 }
 
 impl Summary {
@@ -51,7 +50,7 @@ impl Summary {
     #[must_use]
     pub fn new(spec: &Spec) -> Self {
         let none = vec![Vec::new(); spec.turning_point_m().len()];
-        Self { counts: BTreeMap::new(), shifts_m: none.clone(), levels_db: none }
+        Self { counts: BTreeMap::new(), numbers: vec![none; spec.results().len()] }
     }
 
     /// Adds the results of a range.
@@ -59,11 +58,10 @@ impl Summary {
         for &status in &chunk.status {
             *self.counts.entry(status).or_default() += 1;
         }
-        let places = self.shifts_m.len();
-        let both = chunk.turning_point_shift_m.chunks(places).zip(chunk.level_db.chunks(places));
-        for (shifts_m, levels_db) in both {
-            self.shifts_m.iter_mut().zip(shifts_m).for_each(|(all, &shift_m)| all.push(shift_m));
-            self.levels_db.iter_mut().zip(levels_db).for_each(|(all, &level_db)| all.push(level_db));
+        for (all, numbers) in self.numbers.iter_mut().zip(&chunk.results) {
+            for plate in numbers.chunks(all.len()) {
+                all.iter_mut().zip(plate).for_each(|(all, &number)| all.push(number));
+            }
         }
     }
 
@@ -73,11 +71,10 @@ impl Summary {
         self.counts.get(&status).copied().unwrap_or(0)
     }
 
-    /// Statistics of the shift, metres, and of the level, dB, at a place; `None` where no plate has a boundary.
+    /// Statistics of a result, by its number in [`Spec::results`], at a place; `None` where no plate has a number.
     #[must_use]
-    pub fn at_place(&self, place: usize) -> Option<[Statistics; 2]> {
-        let of = |all: &[Vec<f64>]| all.get(place).and_then(|values| Statistics::of(values));
-        Some([of(&self.shifts_m)?, of(&self.levels_db)?])
+    pub fn of(&self, result: usize, place: usize) -> Option<Statistics> {
+        Statistics::of(self.numbers.get(result)?.get(place)?)
     }
 }
 

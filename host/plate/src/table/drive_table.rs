@@ -12,9 +12,11 @@ use super::knots::{balance_errors, make_increasing, move_onto_resonances};
 use super::level::{DriveToPeak, drives_to_peak, mid_levels, other_plates};
 use super::travel::TableTravel;
 use crate::definition::plate::Plate;
+use crate::definition::sample_rate::hold_droop;
 use crate::progress::Progress;
 use crate::quantity::{OutOfRange, decibels};
 use crate::special::ramp::ramp;
+use num_complex::Complex64;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
@@ -246,6 +248,14 @@ impl DriveTable {
     pub fn peak_m(&self, position_m: f64) -> f64 {
         let heights = &self.nominal_heights;
         self.peak_at_full_scale_m * self.between(position_m, heights.len(), |place| heights[place])
+    }
+
+    /// Complex displacement of the driven end of `plate`, metres, for a tone of level 1 at `position_m`; the plate may be another
+    /// one than the table's.
+    pub fn driven_end_m(&self, plate: &Plate, position_m: f64) -> Complex64 {
+        let frequency_hz = self.frequency_hz(position_m);
+        let dac = self.gain(position_m) * hold_droop(frequency_hz, self.sample_rate_hz);
+        plate.drive_response(frequency_hz) * dac * plate.spec().full_scale_m
     }
 
     /// Linear interpolation at a position of `count` values (2 or more) at positions uniform over the span.

@@ -3,7 +3,6 @@
 use super::error::TextureError;
 use super::nnls::Columns;
 use crate::definition::plate::Plate;
-use crate::definition::sample_rate::hold_droop;
 use crate::frequency::equation::Equation;
 use crate::frequency::numerov::{self, Grid};
 use crate::table::DriveTable;
@@ -83,14 +82,12 @@ impl<'a> Palette<'a> {
     fn each_field(&self, positions_m: &[f64], mut visit: impl FnMut(&[Complex64], Complex64)) {
         let frequencies: Vec<f64> = positions_m.iter().map(|&x| self.table.frequency_hz(x)).collect();
         numerov::solve_each_apart(&self.grid, self.plate, &frequencies, self.stride, |number, field| {
-            visit(field, self.scale(positions_m[number], frequencies[number]));
+            visit(field, self.scale(positions_m[number]));
         });
     }
 
     /// Displacement of the driven end for a tone of level 1, over the table's peak at full scale.
-    fn scale(&self, position_m: f64, frequency_hz: f64) -> Complex64 {
-        let drive = self.plate.drive_response(frequency_hz);
-        let dac = self.table.gain(position_m) * hold_droop(frequency_hz, self.table.sample_rate_hz());
-        drive * dac * self.plate.spec().full_scale_m / self.table.peak_at_full_scale_m()
+    fn scale(&self, position_m: f64) -> Complex64 {
+        self.table.driven_end_m(self.plate, position_m) / self.table.peak_at_full_scale_m()
     }
 }

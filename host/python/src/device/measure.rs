@@ -10,6 +10,7 @@ use slipline_instrument::measure::{KnownDrive, LEVEL, POINTS, Sensor, current_se
 use slipline_instrument::native::Measurer;
 use slipline_instrument::requests::{Frequencies, IncompleteCircuit, MeasureRequest, circuit_of};
 use slipline_instrument::rig::PreparedRig;
+use slipline_plate::Plate;
 use slipline_plate::calibrate::SensorKind;
 use slipline_plate::quantity::{OutOfRange, Range, must_be};
 
@@ -34,7 +35,7 @@ pub(super) struct Circuit {
 pub(super) struct Wish {
     /// `None` for the current of the drive.
     sensor: Option<(f64, SensorKind)>,
-    request: MeasureRequest,
+    pub(super) request: MeasureRequest,
 }
 
 impl Wish {
@@ -58,13 +59,43 @@ impl Wish {
                 return Err(Failure::refused(must_be(given, "\"sensor\" or \"current\"")));
             }
         };
-        let Band { points, low_hz, high_hz, level, sweep: is_sweep } = band;
-        optional("points", points.map(|points| points as f64), POINTS)?;
-        optional("level", level, LEVEL)?;
-        let frequencies = Frequencies { low_hz, high_hz, points, level };
-        let request = MeasureRequest { frequencies, is_sweep, known: circuit.known()? };
+        let frequencies = band.frequencies()?;
+        let request = MeasureRequest { frequencies, is_sweep: band.sweep, known: circuit.known()? };
         Ok(Self { sensor, request })
     }
+
+    /// The sensor on this plate.
+    pub(super) fn sensor_on(&self, plate: &Plate) -> Result<Sensor, Failure> {
+        let Some((place_m, kind)) = self.sensor else { return Ok(current_sensor()) };
+        let on_plate = Range::new(0.0, plate.length_m(), "m");
+        OutOfRange::check("place_m", place_m, on_plate).map_err(|it| Failure::out_of_range(&it))?;
+        Ok(Sensor { place_m, kind, input: 0 })
+    }
+
+    /// Moves the sensor of the simulated rig to its place.
+    pub(super) fn put_sensor(&self, rig: Option<&PreparedRig>, sensor: Sensor) -> Result<(), Failure> {
+        let Some(rig) = rig.filter(|_| self.sensor.is_some()) else { return Ok(()) };
+        if sensor.kind != SensorKind::Displacement {
+            let text = "the sensor of the simulated device measures displacement: leave out kind";
+            return Err(Failure::refused(text));
+        }
+        rig.hand().put_sensor(sensor.place_m).map_err(|error| Failure::of(&error))
+    }
+}
+
+impl Band {
+    /// The frequencies and their level.
+    pub(super) fn frequencies(&self) -> Result<Frequencies, Failure> {
+        let Self { points, low_hz, high_hz, level, .. } = *self;
+        optional("points", points.map(|points| points as f64), POINTS)?;
+        optional("level", level, LEVEL)?;
+        Ok(Frequencies { low_hz, high_hz, points, level })
+    }
+}
+
+impl Circuit {
+    /// None: the drive is not checked.
+    pub(super) const UNKNOWN: Self = Self { amplifier_v: None, coil_ohm: None, piezo_f: None, shunt_a: None };
 }
 
 impl Circuit {
@@ -88,22 +119,12 @@ impl Device {
         let consent = lock(&self.state).consent;
         let rig = self.rig.clone();
         let measured = self.call(py, move |client| {
-            let sensor = match wish.sensor {
-                None => current_sensor(),
-                Some((place_m, kind)) => {
-                    let on_plate = Range::new(0.0, plate.length_m(), "m");
-                    OutOfRange::check("place_m", place_m, on_plate)
-                        .map_err(|it| Failure::out_of_range(&it))?;
-                    Sensor { place_m, kind, input: 0 }
-                }
-            };
+            let sensor = wish.sensor_on(&plate)?;
             may_be_armed(client, consent)?;
             client.disarm()?;
             let measurer = Measurer::new(client, &plate, &on_device, &wish.request);
             let measurer = measurer.map_err(|error| Failure::of(&error))?;
-            if let Some(rig) = rig.as_ref().filter(|_| wish.sensor.is_some()) {
-                put_sensor(rig, sensor)?;
-            }
+            wish.put_sensor(rig.as_ref(), sensor)?;
             if let Some(known) = wish.request.known_with(rig.as_ref()) {
                 client.check_drive(&plate, &on_device, known, |_| ())?;
             }
@@ -111,13 +132,4 @@ impl Device {
         })?;
         Ok(measured.measurement.into())
     }
-}
-
-/// Moves the sensor of the simulated rig to its place.
-fn put_sensor(rig: &PreparedRig, sensor: Sensor) -> Result<(), Failure> {
-    if sensor.kind != SensorKind::Displacement {
-        let text = "the sensor of the simulated device measures displacement: leave out kind";
-        return Err(Failure::refused(text));
-    }
-    rig.hand().put_sensor(sensor.place_m).map_err(|error| Failure::of(&error))
 }

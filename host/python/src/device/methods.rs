@@ -9,8 +9,8 @@ use crate::arguments::items;
 use crate::coroutine::{Coroutine, StatusIterator};
 use crate::error::Failure;
 use crate::measurement::Measurement;
-use crate::plate::Plate as PyPlate;
-use crate::result::kind::{Drive, Status, Verification};
+use crate::plate::{Plate as PyPlate, check_length};
+use crate::result::kind::{Drive, Profile, Status, Sweep, Trim, Verification};
 use crate::result::{Answer, ResultArgument, fields};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
@@ -19,9 +19,11 @@ use slipline_instrument::device_info::DeviceInfo;
 use slipline_instrument::hold::{Holding, MAX_RISE};
 use slipline_instrument::measure::verify_windows_s;
 use slipline_instrument::native::ArmingConsent;
+use slipline_instrument::profile_file;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::simulation::table_for;
 use slipline_plate::quantity::{OutOfRange, Range};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Times between two looks of an iterator.
@@ -274,6 +276,75 @@ impl Device {
         let band = Band { points, low_hz, high_hz, level, sweep };
         let circuit = Circuit { amplifier_v, coil_ohm, piezo_f, shunt_a };
         self.measure_plate(py, Wish::new(place_m, kind, input, band, circuit)?)
+    }
+
+    /// Measures the wave speed of the calibrated plate in use by one sensor, as ``slipline trim``, and with ``duration_s`` (up to a
+    /// day) again and again for this time; arms the device, and disarms it then.
+    ///
+    /// The result has ``plate``, that of the latest speed, and ``begin`` and each of ``later`` with ``wave_speed_share`` and its 95 %
+    /// interval. The other arguments are those of :meth:`measure`. Raises ``Refused`` for a plate without a calibration, and where one
+    /// speed does not explain what was measured.
+    #[pyo3(signature = (place_m, kind="displacement", *, duration_s=None, points=None, low_hz=None, high_hz=None, level=0.5, sweep=false))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
+    fn trim(
+        &self,
+        py: Python<'_>,
+        place_m: f64,
+        kind: &str,
+        duration_s: Option<f64>,
+        points: Option<usize>,
+        low_hz: Option<f64>,
+        high_hz: Option<f64>,
+        level: f64,
+        sweep: bool,
+    ) -> PyResult<Answer<Trim>> {
+        self.check_block("trim()")?;
+        let band = Band { points, low_hz, high_hz, level: Some(level), sweep };
+        let wish = Wish::new(Some(place_m), kind, "sensor", band, Circuit::UNKNOWN)?;
+        self.trim_plate(py, wish, duration_s)
+    }
+
+    /// Plays a sweep twice for a separate recorder, as ``slipline sweep``, and writes its description into the file ``path``, which
+    /// :meth:`Measurement.read` needs as ``played`` with each recording; arms the device, and disarms it then.
+    ///
+    /// ``duration_s`` is that of one sweep, 10 ms to 10 s; ``level`` that of the first one, the second one has half of it. An existing
+    /// file is replaced.
+    #[pyo3(signature = (path, *, duration_s=4.0, points=None, low_hz=None, high_hz=None, level=0.5))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
+    fn sweep(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        duration_s: f64,
+        points: Option<usize>,
+        low_hz: Option<f64>,
+        high_hz: Option<f64>,
+        level: f64,
+    ) -> PyResult<Answer<Sweep>> {
+        self.check_block("sweep()")?;
+        let band = Band { points, low_hz, high_hz, level: Some(level), sweep: true };
+        self.sweep_plate(py, path, band, duration_s)
+    }
+
+    /// The profile of the board's actuator, as ``slipline profile``: the limits that the device itself keeps, for every program.
+    /// ``profile`` of the result is ``None`` where it keeps none.
+    fn profile(&self, py: Python<'_>) -> PyResult<Answer<Profile>> {
+        self.show_profile(py)
+    }
+
+    /// Stores a profile in the board's flash, as ``slipline profile write``: the text of its file, TOML. Press the board's user button
+    /// and hold it meanwhile.
+    ///
+    /// Raises ``BadFile`` for the text, ``Refused`` if the button is not held.
+    fn store_profile(&self, py: Python<'_>, text: &str) -> PyResult<Answer<Profile>> {
+        check_length("the profile", text, profile_file::BYTES_MAX)?;
+        let profile = profile_file::read(text).map_err(|error| Failure::bad_file("the profile", error))?;
+        self.change_profile(py, Some(profile))
+    }
+
+    /// Erases the profile from the board's flash, as ``slipline profile erase``. Press the board's user button and hold it meanwhile.
+    fn erase_profile(&self, py: Python<'_>) -> PyResult<Answer<Profile>> {
+        self.change_profile(py, None)
     }
 
     /// Compares the device's codes with those that they should be, in four windows; arms the device, and disarms it then.

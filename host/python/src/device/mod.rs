@@ -12,6 +12,7 @@ mod attention;
 mod call;
 mod drive;
 mod failure;
+mod lab;
 mod log;
 mod measure;
 mod methods;

@@ -66,6 +66,30 @@ fn the_text_does_not_depend_on_how_the_specification_was_written() {
 }
 
 #[test]
+fn kind_and_results_have_one_text_and_the_usual_ones_none() {
+    let usual = spec_of(TEXT).unwrap();
+    assert_eq!((usual.kind(), usual.results()), (Kind::OneMode, &StudyResult::ALL[..2]));
+    assert!(
+        !usual.to_toml().contains("kind") && !usual.to_toml().contains("results"),
+        "as before there was a choice"
+    );
+    let with = |lines: &str| spec_of(&TEXT.replace("seed = 7", &format!("seed = 7\n{lines}"))).unwrap();
+    assert_eq!(
+        with("kind = \"1d\"\nresults = [\"level_db\", \"turning_point_shift_m\", \"level_db\"]"),
+        usual
+    );
+    let in_plane = with("kind = \"2d\"");
+    assert_eq!(in_plane.results(), [StudyResult::Level, StudyResult::PeakShift]);
+    assert!(in_plane.to_toml().contains("kind = \"2d\"") && !in_plane.to_toml().contains("results"));
+    let all = StudyResult::ALL.map(StudyResult::name);
+    let all = with(&format!("results = {all:?}"));
+    assert_eq!(all.results(), StudyResult::ALL);
+    for spec in [in_plane, all] {
+        assert_eq!(spec_of(&spec.to_toml()).unwrap(), spec);
+    }
+}
+
+#[test]
 fn a_refusal_names_the_wrong_value_and_the_allowed_ones() {
     let cases = [
         ("seed = 7", "seed = -1", "seed = -1: must be 0 to"),
@@ -89,6 +113,19 @@ fn a_refusal_names_the_wrong_value_and_the_allowed_ones() {
         ("loss_factor", "\"drive.mass_kg\"", "the numbers of this plate are length_m, "),
         ("loss_factor", "wave_speed_tolerance", "it is 0 on the nominal plate"),
         ("loss_factor", "name", "does not belong here"),
+        ("seed = 7", "seed = 7\nkind = \"3d\"", "kind = \"3d\": must be one of 1d, 2d; did you mean"),
+        ("seed = 7", "seed = 7\nresults = []", "results has 0 fields: must be 1 to 64"),
+        (
+            "seed = 7",
+            "seed = 7\nresults = [\"level_db\", \"felt_edge\"]",
+            "results[1] = \"felt_edge\": must be one of turning_point_shift_m, level_db, peak_shift_m, felt_edge_m, \
+             contrast_db, ripple_db, crest_db; did you mean felt_edge_m?",
+        ),
+        (
+            "seed = 7",
+            "seed = 7\nkind = \"2d\"\nresults = [\"ripple_db\"]",
+            "results[0] = \"ripple_db\": must be one of turning_point_shift_m, level_db, peak_shift_m, felt_edge_m, crest_db",
+        ),
         ("\"membrane\"", "3", "plate = 3: must be a preset's name"),
         ("\"membrane\"", "\"none\"", "plate is missing"),
         ("\"membrane\"", "{ name = \"x\" }", "plate: length_m is missing"),

@@ -1,0 +1,112 @@
+//! What Python does with a device and a sensor or a recorder besides a measurement: trims, and sweeps for a recorder.
+
+use super::measure::{Band, Wish};
+use super::{Device, Loaded, lock, may_be_armed};
+use crate::arguments::{in_range, optional};
+use crate::error::Failure;
+use crate::plate::Plate as PyPlate;
+use crate::result::kind::{Profile, Sweep, Trim};
+use crate::result::{Answer, fields};
+use pyo3::prelude::*;
+use slipline_instrument::measure::{PlayedSweep, Playing, SWEEP_S};
+use slipline_instrument::native::{Client, InterruptibleLink, Measurer, TRIM_S, Trimming};
+use slipline_instrument::profile_file;
+use slipline_instrument::requests::SweepAnswer;
+use slipline_link::protocol::profile::ActuatorProfile;
+use slipline_link::protocol::version::Compatibility;
+use slipline_model::atomic_file::{self, said};
+use slipline_plate::calibrate::SpeedTrim;
+use std::io::{self, Write as _};
+use std::path::PathBuf;
+
+impl Device {
+    /// Measures the wave speed of the plate in use, at once and then until the duration is over.
+    pub(super) fn trim_plate(
+        &self,
+        py: Python<'_>,
+        wish: Wish,
+        duration_s: Option<f64>,
+    ) -> PyResult<Answer<Trim>> {
+        optional("duration_s", duration_s, TRIM_S)?;
+        let Loaded { plate, on_device, .. } = self.loaded()?;
+        let (consent, rig) = (lock(&self.state).consent, self.rig.clone());
+        let (found, trimmed) = self.call(py, move |client| {
+            SpeedTrim::check(&plate).map_err(|error| Failure::of(&error))?;
+            let sensor = wish.sensor_on(&plate)?;
+            may_be_armed(client, consent)?;
+            client.disarm()?;
+            let measurer = Measurer::new(client, &plate, &on_device, &wish.request);
+            let measurer = measurer.map_err(|error| Failure::of(&error))?;
+            wish.put_sensor(rig.as_ref(), sensor)?;
+            let first = measurer.measure(sensor, |_| ())?.measurement;
+            let mut trim = Trimming::begin(&plate, &first).map_err(|error| Failure::of(&error))?;
+            let short = measurer.short();
+            while trim.goes_on(duration_s) {
+                let later = short.measure(sensor, |_| ())?.measurement;
+                trim.add(&later).map_err(|error| Failure::of(&error))?;
+            }
+            let answer =
+                client.during(|| trim.answer(&plate, sensor.place_m, "time").map(|it| fields(&it)))?;
+            Ok((answer.map_err(|error| Failure::of(&error))?, trim.last().plate.clone()))
+        })?;
+        Answer::of(py, found)?.with(py, "plate", Py::new(py, PyPlate::from(trimmed))?)
+    }
+
+    /// Plays a sweep twice and writes its description.
+    pub(super) fn sweep_plate(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        band: Band,
+        duration_s: f64,
+    ) -> PyResult<Answer<Sweep>> {
+        in_range("duration_s", duration_s, SWEEP_S)?;
+        let frequencies = band.frequencies()?;
+        let Loaded { plate, on_device, .. } = self.loaded()?;
+        let consent = lock(&self.state).consent;
+        let found = self.call(py, move |client| {
+            let rate_hz = f64::from(client.identity()?.sample_rate_hz);
+            let played = PlayedSweep::new(&plate, &on_device, &frequencies.on(&plate), rate_hz, duration_s);
+            let played = played.map_err(|error| Failure::of(&error))?;
+            let playing = Playing::new(played, on_device).map_err(|error| Failure::of(&error))?;
+            may_be_armed(client, consent)?;
+            client.disarm()?;
+            let played = client.run(playing, |_| ())?;
+            let text = played.to_toml();
+            let written =
+                atomic_file::write(&path, |out| -> io::Result<()> { out.write_all(text.as_bytes()) });
+            written.map_err(|error| Failure::bad_file(path.display(), said(&error)))?;
+            Ok(fields(&SweepAnswer::of(&plate, &played)))
+        })?;
+        Answer::of(py, found)
+    }
+
+    /// The profile of the board's actuator.
+    pub(super) fn show_profile(&self, py: Python<'_>) -> PyResult<Answer<Profile>> {
+        Answer::of(py, self.call(py, profile_fields)?)
+    }
+
+    /// Writes the profile, or erases it, and returns what the device has then.
+    pub(super) fn change_profile(
+        &self,
+        py: Python<'_>,
+        profile: Option<ActuatorProfile>,
+    ) -> PyResult<Answer<Profile>> {
+        let found = self.call(py, move |client| {
+            client.disarm()?;
+            client.write_profile(profile)?;
+            // The report that follows the write.
+            client.refresh()?;
+            profile_fields(client)
+        })?;
+        Answer::of(py, found)
+    }
+}
+
+fn profile_fields(
+    client: &Client<InterruptibleLink>,
+) -> Result<serde_json::Map<String, serde_json::Value>, Failure> {
+    let report = client.snapshot().device.profile.clone();
+    let report = report.ok_or_else(|| Failure::refused(Compatibility::DeviceOlder.sentence()))?;
+    Ok(fields(&profile_file::answer(&report)))
+}
