@@ -117,9 +117,9 @@ class Table:
         if not isinstance(asked, dict):
             raise BadFile(f"{self.path}, line {number + 2}: the cell asked is no JSON object")
         wanted = json.loads(json.dumps(trial.asked()))
-        pairs = {field: (asked.get(field), wanted.get(field)) for field in {**asked, **wanted}}
         cells = {**fields, "trial_type": trial.trial_type, **trial.own}
-        pairs |= {field: (row.get(field, "n/a"), cell(value)) for field, value in cells.items()}
+        pairs = {field: (row.get(field, "n/a"), cell(value)) for field, value in cells.items()}
+        pairs |= {field: (asked.get(field), wanted.get(field)) for field in {**asked, **wanted}}
         for field, (found, expected) in pairs.items():
             if found != expected:
                 raise BadFile(

@@ -184,7 +184,7 @@ class _Runner:
         if number == self._first:
             plate = getattr(self._device, "plate", None)
             self._table.check_device(getattr(plate, "name", None), getattr(self._device.status().table, "crc", None))
-        shown = {**trial.given, "number": number, "practice": is_practice}
+        shown = {**trial.given, "trial_type": trial.trial_type, "number": number, "practice": is_practice}
         break_s = None
         if self._take_break is not None and before is not None and self._is_due(number, trial, before):
             break_s = self._player.rest(self._take_break, shown)
