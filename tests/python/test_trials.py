@@ -46,7 +46,8 @@ def test_a_row_has_the_columns_of_bids_and_what_was_asked_and_played(device, tmp
     assert (second["turning_point_m"], second["felt_edge_m"]) == ("0.16", "0.21")
     assert third["frequency_hz"] == "130.0"
     assert [row["measured_place_m"] for row in rows] == ["n/a", "0.2075", "n/a"]
-    for column, value in {"plate": "membrane", "table_crc": "0badcafe", "unit": "unit-1", "session": "01", "part": "1", "seed": "n/a"}.items():
+    same = {"plate": "membrane", "table_crc": "0badcafe", "unit": "unit-1", "session": "01", "part": "1", "seed": "n/a"}
+    for column, value in same.items():
         assert {row[column] for row in rows} == {value}
     for row, index in zip(rows, indices):
         assert datetime.fromisoformat(row["date"]).timestamp() == pytest.approx(1_800_000_000 + index / RATE_HZ, abs=2e-6)
@@ -164,7 +165,8 @@ def test_a_person_may_write_into_the_description(device, tmp_path):
     described = json.loads(path.read_text())
     assert described["Instructions"] == "Say where it ends." and described["TaskName"] == "edge"
     assert described["trial_type"]["Levels"] == {"trial": "A line"}
-    assert described["hand"] == {"Description": "The hand that touches", "Levels": {"left": "Left", "right": "Right", "both": "both"}}
+    levels = columns["hand"]["Levels"]
+    assert described["hand"] == {"Description": "The hand that touches", "Levels": {**levels, "both": "both"}}
     # A number among the answers, too: each value of a column with levels is one of them.
     assert set(described["response"]["Levels"]) == {"1", "no"}
     path.write_text("[")

@@ -35,7 +35,12 @@ def test_a_list_runs_on_the_simulated_device(device, tmp_path):
         {"turning_point_m": 0.2, "timeout_s": 0.1},
     ]
     seen = []
-    rows = run(device, listed, lambda trial: seen.append(trial) or (device.wait(seconds=0.15) if trial["number"] == 5 else "here"), tmp_path)
+
+    def respond(trial):
+        seen.append(trial)
+        return device.wait(seconds=0.15) if trial["number"] == 5 else "here"
+
+    rows = run(device, listed, respond, tmp_path)
     status = device.status()
     rate_hz = status.sample_rate_hz
     assert [row["response"] for row in rows[:5]] == ["here"] * 5 and rows[5]["timed_out"] == "yes"

@@ -99,7 +99,13 @@ def test_a_generator_gets_each_answer_and_the_same_ones_when_it_goes_on(device, 
 
 @pytest.mark.parametrize(
     "trial",
-    [{"felt_edge_m": 0.21, "level": 0}, {"felt_edge_m": None}, {"frequency_hz": float("nan"), "level": 0.5}, {"tones": []}, {"texture": None}],
+    [
+        {"felt_edge_m": 0.21, "level": 0},
+        {"felt_edge_m": None},
+        {"frequency_hz": float("nan"), "level": 0.5},
+        {"tones": []},
+        {"texture": None},
+    ],
 )
 def test_a_catch_trial_is_a_tone_of_level_0_with_the_times_of_any_other(device, tmp_path, trial):
     display, other = device(), device()
@@ -186,7 +192,8 @@ def test_an_answer_that_comes_too_late_is_written_and_does_not_count(device, tmp
 def test_no_answer_of_a_dictionary_is_lost(device, tmp_path):
     answer = {"response": 1, "onset": 2, "hand": "left", "how sure": 3, "texts": ["a", "b"]}
     row, = run(device(), [{**PLACE, "hand": "right"}], lambda trial: answer, tmp_path)
-    assert (row["response"], row["answer_onset"], row["hand"], row["answer_hand"], row["answer_how_sure"]) == ("1", "2", "right", "left", "3")
+    names = ("response", "answer_onset", "hand", "answer_hand", "answer_how_sure")
+    assert [row[name] for name in names] == ["1", "2", "right", "left", "3"]
     assert json.loads(row["texts"]) == ["a", "b"] and row["onset"] == "0.0"
 
 

@@ -82,7 +82,8 @@ def test_the_time_between_trials_is_even_in_its_range_and_the_seed_s(device, tmp
     drawn = {}
     for name, seed in [("a", 1), ("b", 1), ("c", 2)]:
         display = device()
-        rows = run(display, listed(40, iti_s=(1.0, 2.0), duration_s=0.5), lambda trial: display.pass_s(0.25), tmp_path / name, seed=seed)
+        forty = listed(40, iti_s=(1.0, 2.0), duration_s=0.5)
+        rows = run(display, forty, lambda trial: display.pass_s(0.25), tmp_path / name, seed=seed)
         drawn[name] = [float(row["iti_s"]) for row in rows]
         ends = [float(row["onset"]) + float(row["duration"]) + float(row["response_time"]) for row in rows]
         # The stand-in begins a drive a tenth of a second after its call.

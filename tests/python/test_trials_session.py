@@ -1,4 +1,4 @@
-"""A whole session: practice, interleaved staircases, catch trials and breaks, killed in each of its phases. The device is a stand-in."""
+"""A session of practice, interleaved staircases, catch trials and breaks, killed in each of its phases, on a stand-in."""
 
 import os
 import signal

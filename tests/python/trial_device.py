@@ -22,14 +22,14 @@ class Device:
 
     sample_rate_hz = RATE_HZ
 
-    def __init__(self, *, now: int = 1_000, started_s: float = 0.0, unit: str = "unit-1", crc: str = CRC, name: str = "membrane") -> None:
+    def __init__(self, *, now: int = 1_000, started_s: float = 0.0, crc: str = CRC) -> None:
         self.now = now
         self.calls: list[tuple[Any, ...]] = []
         #: Called with the name of each call, before it.
         self.before: Callable[[str], object] = lambda _name: None
         self.plate: Any = None
         self._started_s = started_s
-        self._unit, self._crc, self._name = unit, crc, name
+        self._crc = crc
         self._armed = True
         self._latest_s = self.seconds()
 
@@ -54,7 +54,7 @@ class Device:
     def status(self) -> Any:
         self._call("status")
         table = SimpleNamespace(crc=self._crc, span_start_m=0.08, span_end_m=0.28)
-        return SimpleNamespace(sample_rate_hz=float(RATE_HZ), now_samples=self.now, unit=self._unit, table=table)
+        return SimpleNamespace(sample_rate_hz=float(RATE_HZ), now_samples=self.now, unit="unit-1", table=table)
 
     def arm(self, **consent: bool) -> None:
         self._call("arm")
@@ -79,7 +79,7 @@ class Device:
         self.now += 40_000
         crc = SimpleNamespace(crc=self._crc)
         heard = [SimpleNamespace(**tone) for tone in tones]
-        return SimpleNamespace(at_samples=self.now, tones=heard, plate=self._name, table=crc, superseded=False)
+        return SimpleNamespace(at_samples=self.now, tones=heard, plate="membrane", table=crc, superseded=False)
 
     def wait(self, at: Any = None, *, seconds: float = 0.0) -> int:
         self._call("wait" if at is not None else "pause", *([round(seconds, 6)] if at is None else []))

@@ -80,9 +80,10 @@ class Trial:
 
 
 def checked(given: Mapping[str, Any], reserved: Iterable[str] = ()) -> Trial:
-    """The trial of these fields, or an ``OutOfRange`` that names the wrong one; ``reserved`` are the columns that the run writes."""
+    """The trial of these fields; ``reserved`` are the columns that the run writes. Raises ``OutOfRange`` with the wrong field."""
     if not isinstance(given, Mapping):
-        raise OutOfRange(f"{given!r}: a trial is a dictionary of its fields; a table of pandas is table.to_dict('records')", "trials", given)
+        text = f"{given!r}: a trial is a dictionary of its fields; a table of pandas is table.to_dict('records')"
+        raise OutOfRange(text, "trials", given)
     given = dict(given)
     own = {field: value for field, value in given.items() if field not in FIELDS}
     for field, value in own.items():
@@ -198,7 +199,8 @@ def _check_own(field: Any, value: Any, reserved: set[str]) -> None:
         raise OutOfRange(f"{field!r}: the name of a column has letters, digits and _", str(field), value)
     if field in reserved:
         raise OutOfRange(f"{field}: the run writes this column itself; a trial has {', '.join(FIELDS)}", field, value)
-    near = difflib.get_close_matches(field, FIELDS, 1, 0.8) or [name for name in FIELDS if _without_unit(name) == _without_unit(field)]
+    near = difflib.get_close_matches(field, FIELDS, 1, 0.8)
+    near = near or [name for name in FIELDS if _without_unit(name) == _without_unit(field)]
     if near:
         raise OutOfRange(f"{field}: did you mean {near[0]}? Name a column of your own otherwise", field, value)
     if not (value is None or isinstance(value, (str, bool, int, float, np.bool_, np.integer, np.floating))):

@@ -1,4 +1,4 @@
-"""``events.tsv``: a row for each trial, every one of which is on the disk, and what a call that goes on must have in common with them."""
+"""``events.tsv``: a row for each trial, which is on the disk, and the comparison of a later call's trials with the rows."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ COLUMNS: Mapping[str, Mapping[str, Any]] = {
     "duration": {"Description": "From the onset to the first sample at which the last tone fades", "Units": "s"},
     "trial_type": {"Description": "The trial's own type"},
     "response": {"Description": "The answer; yes and no where it was true or false"},
-    "response_time": {"Description": "From the onset that the trial names, or the call for the answer, to the answer", "Units": "s"},
+    "response_time": {"Description": "From the named onset, or the call for the answer, to the answer", "Units": "s"},
     "session": {"Description": "Label of the session"},
     "part": {"Description": "Number of the call that wrote the row, from 1; each resumption is a further one"},
     "practice": {"Description": "Whether the trial was practice", "Levels": _YES},
     "timed_out": {"Description": "Whether no answer came within the trial's time; n/a where it has no limit", "Levels": _YES},
     "date": {"Description": "The onset in Coordinated Universal Time (UTC), ISO 8601, by this computer's clock"},
-    "host_clock_s": {"Description": "The onset on this computer's monotonic clock, which begins again when it is started", "Units": "s"},
+    "host_clock_s": {"Description": "The onset on this computer's monotonic clock, near zero at its start", "Units": "s"},
     "unit": {"Description": "Number of the device"},
     "at_samples": {
         "Description": "The onset on the device's sample clock; smaller than in the row before where the device was reset",
@@ -132,8 +132,8 @@ class Table:
         for field, value in (("plate", plate), ("table_crc", table_crc)):
             if self.rows and value is not None and self.rows[-1][field] != cell(value):
                 raise BadFile(
-                    f"{self.path}, line {len(self.rows) + 1}: its {field} is {self.rows[-1][field]}, and the device's is {cell(value)}; "
-                    "use that of the rows, or name another session or run"
+                    f"{self.path}, line {len(self.rows) + 1}: its {field} is {self.rows[-1][field]}, and the device's is "
+                    f"{cell(value)}; use that of the rows, or name another session or run"
                 )
 
 
@@ -151,7 +151,8 @@ class Axis:
         if rows:
             row = rows[-1]
             try:
-                at_samples, onset_s, unix_s = int(row["at_samples"]), float(row["onset"]), datetime.fromisoformat(row["date"]).timestamp()
+                at_samples, onset_s = int(row["at_samples"]), float(row["onset"])
+                unix_s = datetime.fromisoformat(row["date"]).timestamp()
             except ValueError:
                 raise BadFile("the latest row has no onset, at_samples or date that can be read") from None
             self._anchor = (at_samples, onset_s)

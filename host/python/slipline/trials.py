@@ -89,34 +89,36 @@ def run(
 ) -> list[dict[str, str]]:
     """Runs the trials that have no row yet, and returns the rows of all of them. The device must be armed.
 
-    **A trial** is a dictionary. What sounds: ``felt_edge_m``, ``turning_point_m`` or ``frequency_hz`` with ``level`` (0.8); further
-    ``tones``, a list of a place and a level each; or a ``texture`` of ``plate.texture()``. A place of ``None``, a level of 0 or
-    ``"tones": []`` is a catch trial: a tone of level 0, with the timing and the trigger output of any other. ``duration_s`` is rounded up to
-    a block of 128 samples, and the tone fades within 20 ms; without it the tone sounds until the answer, ``timeout_s`` at the
-    longest. ``intervals`` is a list of such dictionaries, ``gap_s`` (0.5) apart, in one trial. ``trial_type`` is a text,
-    ``iti_s`` the time from the end of the trial before, a number or a range of seconds; all times are up to 600 s. Any other field is a
-    column of your own. A list, tuple or array is checked before its first trial, by the plate in use, too; the trials of an
-    iterator are taken one at a time.
+    **A trial** is a dictionary. What sounds: ``felt_edge_m``, ``turning_point_m`` or ``frequency_hz`` with ``level`` (0.8);
+    further ``tones``, a list of a place and a level each; or a ``texture`` of ``plate.texture()``. A place of ``None``, a level
+    of 0 or ``"tones": []`` is a catch trial: a tone of level 0, with the timing and the trigger output of any other.
+    ``duration_s`` is rounded up to a block of 128 samples, and the tone fades within 20 ms; without it the tone sounds until
+    the answer, ``timeout_s`` at the longest. ``intervals`` is a list of such dictionaries, ``gap_s`` (0.5) apart, in one trial.
+    ``trial_type`` is a text, ``iti_s`` the time from the end of the trial before, a number or a range of seconds; all times are
+    up to 600 s. Any other field is a column of your own. A list, tuple or array is checked before its first trial, by the plate
+    in use, too; the trials of an iterator are taken one at a time.
 
-    **The answer** is what ``respond(trial)`` returns: a truth value, a number, a text, ``None``, or a dictionary of ``response``,
-    ``response_time`` in seconds where it knows it better, and columns of your own. ``respond`` gets the trial with the places and ``at_samples`` of its tone, ``number`` from 0 and ``practice``.
-    It is called when the tone has faded or, without ``duration_s``, when it has begun. The response time counts from that call,
-    or as ``response_time_from`` names: ``"end"`` of the last tone, ``"onset"``, or ``"last_onset"`` of the last interval; with an onset
-    ``respond`` is called while the tone sounds. With ``timeout_s`` an answer after more than that, or ``None``, is ``timed_out``:
-    ``respond`` returns by then. A generator gets the answer from ``answer = yield trial`` as its cell reads: true or false, a
-    number, a text, or ``None`` for none in time. A ``Staircase`` takes true or false and repeats a trial without an answer.
+    **The answer**, the result of ``respond(trial)``, is a truth value, a number, a text, ``None``, or a dictionary of
+    ``response``, ``response_time`` in seconds where it knows it better, and columns of your own. ``respond`` gets the trial
+    with the places and ``at_samples`` of its tone, ``number`` from 0 and ``practice``. It is called when the tone has faded or,
+    without ``duration_s``, when it has begun. The response time counts from that call, or as ``response_time_from`` names:
+    ``"end"`` of the last tone, ``"onset"``, or ``"last_onset"`` of the last interval; with an onset ``respond`` is called while
+    the tone sounds. With ``timeout_s`` an answer after more than that, or ``None``, is ``timed_out``: ``respond`` returns by
+    then. A generator gets the answer from ``answer = yield trial`` as its cell reads: true or false, a number, a text, or
+    ``None`` for none in time. A ``Staircase`` takes true or false and repeats a trial without an answer.
 
-    **Order.** With a ``seed`` a list comes in a random order, in which trials of the same ``block`` stay together and no more than
-    ``max_alike`` with the same field ``alike`` follow each other in a block. The seed draws ``iti_s``, too. ``practice`` is a list of trials
-    that come first, in their order. ``take_break(trial)`` is called before the first trial after the practice, of another block, and
-    after each ``break_every`` trials: the device is disarmed meanwhile, for as long as it takes, and armed when it returns.
+    **Order.** With a ``seed`` a list comes in a random order, in which trials of the same ``block`` stay together and no more
+    than ``max_alike`` with the same field ``alike`` follow each other in a block. The seed draws ``iti_s``, too. ``practice``
+    is a list of trials that come first, in their order. ``take_break(trial)`` is called before the first trial after the
+    practice, of another block, and after each ``break_every`` trials: the device is disarmed meanwhile, for as long as it
+    takes, and armed when it returns.
 
-    **Rows.** ``folder`` is a BIDS dataset; ``subject``, ``session``, ``task`` and ``run`` name the file in it. ``columns`` describes columns
-    in ``events.json`` (``{"confidence": {"Description": .., "Levels": {..}}}``); what you write into that file is kept. A later call
-    goes on after the last row. It refuses by its name what differs from the rows: :class:`BadFile`.
+    **Rows.** ``folder`` is a BIDS dataset; ``subject``, ``session``, ``task`` and ``run`` name the file in it. ``columns``
+    describes columns in ``events.json`` (``{"confidence": {"Description": .., "Levels": {..}}}``); what you write into that
+    file is kept. A later call goes on after the last row. It refuses by its name what differs from the rows: :class:`BadFile`.
 
-    Raises ``OutOfRange`` for a wrong trial. ``Unattended`` where an answer took longer than the device's ``unattended_s``: its row is
-    written; after ``device.arm()`` the same call goes on.
+    Raises ``OutOfRange`` for a wrong trial. ``Unattended`` where an answer took longer than the device's ``unattended_s``: its
+    row is written; after ``device.arm()`` the same call goes on.
     """
     check_seed(seed)
     if break_every is not None and (isinstance(break_every, bool) or not isinstance(break_every, int) or break_every < 1):
