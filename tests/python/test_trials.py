@@ -5,6 +5,7 @@ import os
 import random
 import signal
 from datetime import datetime
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -117,7 +118,7 @@ def test_the_same_call_goes_on_and_refuses_by_name_what_differs(device, tmp_path
     with pytest.raises(slipline.BadFile, match="its table_crc is 0badcafe, and the device's is 12345678"):
         run(device(crc="12345678"), LIST, until(3), tmp_path)
     other = device()
-    other.plate = slipline.Plate("membrane").replace(name="another")
+    other.plate = SimpleNamespace(name="another", respond=lambda **_: None, frequency_hz=float, turning_point_m=float)
     with pytest.raises(slipline.BadFile, match="its plate is membrane, and the device's is another"):
         run(other, LIST, until(3), tmp_path)
     assert len(seen) == 2, "nothing of these was run"

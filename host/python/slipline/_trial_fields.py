@@ -221,7 +221,8 @@ def _number(field: str, value: Any, low: float, high: float) -> float:
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise OutOfRange(f"{field} = {value!r}: must be a number", field, value)
     if not low <= value <= high or math.isinf(value):
-        raise OutOfRange(f"{field} = {value}: must be {low:g} to {high:g}", field, value, low, high)
+        allowed = "0 or above, and finite" if math.isinf(high) else f"{low:g} to {high:g}"
+        raise OutOfRange(f"{field} = {value}: must be {allowed}", field, value, low, high)
     return float(value)
 
 

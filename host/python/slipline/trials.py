@@ -126,7 +126,7 @@ def run(
     if break_every is not None and take_break is None:
         raise OutOfRange("break_every: needs take_break, which is called in the break", "break_every", break_every)
     plate = getattr(device, "plate", None)
-    first = _checked_list(practice, plate)
+    first = _checked_list(practice, plate, seed)
     source = _source(trials, seed, max_alike, alike, plate)
     path = events_path(Path(folder), subject, session, task, run)
     description = Description(path.with_suffix(".json"), task, VERSION, columns or {})
@@ -219,11 +219,12 @@ class _Runner:
         self._table.add(cells, {**trial.own, **own})
 
 
-def _checked_list(trials: Iterable[Mapping[str, Any]], plate: Any) -> list[Trial]:
+def _checked_list(trials: Iterable[Mapping[str, Any]], plate: Any, seed: int | None) -> list[Trial]:
     found = []
     for number, trial in enumerate(trials, 1):
         try:
             found.append(checked(trial, RESERVED))
+            interval_s(found[-1], seed, 0)
         except OutOfRange as error:
             raise OutOfRange(f"trial {number}: {error}", error.field, error.value, error.low, error.high) from None
     if plate is not None:
@@ -241,10 +242,7 @@ def _source(
         if max_alike is not None:
             raise OutOfRange(f"max_alike = {max_alike}: the trials of an iterator have their own order", "max_alike", max_alike)
         return _one_at_a_time(iter(trials))
-    listed = ordered(_checked_list(trials, plate), seed, max_alike, alike)
-    # The times before the trials are known, too.
-    for trial in listed:
-        interval_s(trial, seed, 0)
+    listed = ordered(_checked_list(trials, plate, seed), seed, max_alike, alike)
     return (trial for trial in listed)
 
 
