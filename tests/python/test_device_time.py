@@ -193,7 +193,7 @@ def test_each_trial_of_a_tenth_of_a_second_fades_from_the_same_sample_on(plate: 
     with Line() as line, slipline.connect(line.port) as device:
         device.use(plate)
         device.arm()
-        rows = slipline.trials.run(device, listed, lambda trial: True, folder=tmp_path)
+        rows = slipline.trials.run(device, listed, lambda trial: True, folder=tmp_path, subject="01", task="edge")
         ends = [drive for drive in line.bodies("Drive") if not drive.tones]
     assert [row["duration"] for row in rows] == [str(40_064 / 400_000)] * TRIALS
     assert len(ends) == TRIALS

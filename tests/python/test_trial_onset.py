@@ -95,7 +95,8 @@ def test_at_samples_of_a_row_is_the_first_sample_of_its_drive_in_the_devices_own
 
             listed.append({"turning_point_m": 0.12 + 0.01 * number, "level": 0.5})
             device.wait(begin)
-            at_samples = int(slipline.trials.run(device, listed, read_digest, folder=tmp_path)[-1]["at_samples"])
+            rows = slipline.trials.run(device, listed, read_digest, folder=tmp_path, subject="01", task="edge")
+            at_samples = int(rows[-1]["at_samples"])
             # Silent before the next.
             device.wait(device.status().now_samples + 40_000)
             # A machine that was held up begins the drive later: the next trial.

@@ -95,6 +95,20 @@ def studies(plate: slipline.Plate) -> None:
     print(drawn, costs, objective.names, objective.plate(objective.point(plate)))
 
 
+def sessions(plate: slipline.Plate, device: slipline.Device) -> None:
+    in_use: slipline.Plate | None = device.plate
+    with device.rest():
+        pass
+    device.rest().go_on()
+    low = slipline.Staircase(0.19, 0.22, trials=5, staircase="low")
+    low.take_answer(low.trial(), True)
+    pair = slipline.trials.interleaved(low, slipline.Staircase(0.22, 0.25), seed=1)
+    listed = [{"felt_edge_m": 0.21, "level": 0, "iti_s": (1.0, 2.0)}, {"texture": plate.texture(solid_m=0.24), "duration_s": 1.0}]
+    rows: list[dict[str, str]] = slipline.trials.run(device, pair, lambda trial: True, folder="study", subject="01", task="edge")
+    slipline.trials.run(device, listed, len, folder="study", subject="01", task="edge", seed=1, max_alike=2, take_break=print)
+    print(in_use, rows, low)
+
+
 def typos(plate: slipline.Plate, device: slipline.Device) -> None:
     field = plate.respond(126.0)
     field.amplitud  # refused
@@ -109,4 +123,5 @@ def typos(plate: slipline.Plate, device: slipline.Device) -> None:
     device.stop(0.1)  # refused
     device.drive(turning_point_m=0.16).at_sample  # refused
     slipline.objective(plate, {}, turning_points_m=[0.12], vary={})  # refused
+    slipline.trials.run(device, [], len, folder="study", subject="01")  # refused
     slipline.conect()  # refused

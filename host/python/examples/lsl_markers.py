@@ -26,5 +26,6 @@ with slipline.connect("sim") as device:
 
     device.use(slipline.Plate("membrane"))
     device.arm()
-    rows = slipline.trials.run(device, trials, respond, folder=sys.argv[1] if sys.argv[1:] else "subject-01")
+    folder = sys.argv[1] if sys.argv[1:] else "study"
+    rows = slipline.trials.run(device, trials, respond, folder=folder, subject="01", task="markers")
 print(f"{len(rows)} markers sent")

@@ -1,7 +1,7 @@
 """Finds by a staircase where an observer feels the boundary: python trials.py [FOLDER] [TRIALS]
 
-The observer is simulated here: put a question to a person into ``respond``. The rows are in FOLDER/events.tsv; called again with
-the same folder it goes on.
+The observer is simulated here: put a question to a person into ``respond``. FOLDER is a BIDS dataset with the rows in
+sub-01/ses-01/beh; called again with the same folder it goes on.
 """
 
 import sys
@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import slipline
 
-folder = sys.argv[1] if sys.argv[1:] else "subject-01"
+folder = sys.argv[1] if sys.argv[1:] else "study"
 count = int(sys.argv[2]) if sys.argv[2:] else 40
 observer = np.random.default_rng(1)
 FELT_AT_M = 0.168
@@ -24,5 +24,5 @@ staircase = slipline.Staircase(0.12, 0.22, place="turning_point_m", trials=count
 with slipline.connect("sim") as device:
     device.use(slipline.Plate("membrane"))
     device.arm()
-    rows = slipline.trials.run(device, staircase, respond, folder=folder)
+    rows = slipline.trials.run(device, staircase, respond, folder=folder, subject="01", task="edge")
 print(f"{len(rows)} trials: felt at {1e3 * staircase.threshold:.1f} mm; the observer's place is {1e3 * FELT_AT_M:.1f} mm")

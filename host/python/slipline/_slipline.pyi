@@ -6,6 +6,7 @@ from _typeshed import Incomplete
 from collections.abc import Awaitable, Iterator, Sequence
 from numpy.typing import ArrayLike
 from os import PathLike
+from slipline._rest import Rest
 from slipline.results import Calibration, Check, Design, Drive, Field, Merit, PortInfo, Result, Results, Simulation, Status, Table, Texture, Verification
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
@@ -109,6 +110,11 @@ class Device:
         """
         Opens the block without ``with``, as for a notebook: :meth:`close` leaves it.
         """
+    @property
+    def plate(self, /) -> Plate | None:
+        """
+        The plate in use; ``None`` before :meth:`use`.
+        """
     def play(self, /, texture: Result, *, glide_s: SupportsFloat | SupportsIndex = 0.02, at: SupportsIndex | str | None = None) -> Drive:
         """
         Plays a texture of the plate in use: the result of ``plate.texture()``.
@@ -118,6 +124,12 @@ class Device:
         Connects again after a lost link, and gives the device the table of the plate in use. It is disarmed then.
 
         An open connection is stopped, disarmed and closed first. Raises ``LinkLost`` where no device answers.
+        """
+    def rest(self, /) -> Rest:
+        """
+        Disarms the device for a break of any length: a disarmed device needs no call.
+
+        The result's ``go_on()`` arms the device as the latest :meth:`arm` did. In ``with device.rest():`` the end of the block does so.
         """
     @property
     def sample_rate_hz(self, /) -> int:

@@ -29,9 +29,9 @@ class Staircase:
 
     ``place`` is the field that varies: ``felt_edge_m``, ``turning_point_m`` or ``frequency_hz``. ``points`` places from ``low`` to
     ``high`` can be asked. ``spreads`` are those of the grid; by default seven, from a hundredth to a third of the range. What
-    ``fields`` holds (``level``, ``duration_s``, ``trial_type``) is that of every trial.
+    ``fields`` holds (``level``, ``duration_s``, ``trial_type``, a column of your own) is that of every trial.
 
-    ``slipline.trials.run`` takes a staircase in place of a list of trials. By hand::
+    ``slipline.trials.run`` takes a staircase in place of a list of trials, and several by ``slipline.trials.interleaved``. By hand::
 
         while not staircase.done:
             trial = staircase.trial()
@@ -53,7 +53,7 @@ class Staircase:
     ) -> None:
         if place not in PLACES:
             raise OutOfRange(f"place = {place!r}: must be one of {', '.join(PLACES)}", "place", place)
-        if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        if not (_is_number(low) and _is_number(high) and math.isfinite(low) and math.isfinite(high) and low < high):
             raise OutOfRange(f"low = {low}, high = {high}: low must be below high", "low", low, high=high)
         _check("trials", trials, 1, 100_000)
         _check("points", points, 2, 2001)
@@ -85,7 +85,12 @@ class Staircase:
     @property
     def done(self) -> bool:
         """Whether all trials have been answered."""
-        return self._answered >= self.trials
+        return self.left <= 0
+
+    @property
+    def left(self) -> int:
+        """Number of trials to be answered."""
+        return self.trials - self._answered
 
     @property
     def threshold(self) -> float:
@@ -107,11 +112,30 @@ class Staircase:
         return {**self.fields, self.place: float(self.places[int(np.argmin(self._expected_entropy()))])}
 
     def take_answer(self, trial: Mapping[str, Any], answer: bool) -> None:
-        """Takes the answer to a trial: whether it was a yes."""
-        asked = int(np.argmin(np.abs(self.places - float(trial[self.place]))))
+        """Takes the answer to a trial: true for a yes, false for a no, and nothing else.
+
+        The trial is one of :meth:`trial`, or has another of :attr:`places`.
+        """
+        if not isinstance(answer, (bool, np.bool_)):
+            raise OutOfRange(f"answer = {answer!r}: must be True or False", "answer", answer)
+        place: Any = trial.get(self.place)
+        if not _is_number(place):
+            raise OutOfRange(f"{self.place} = {place!r}: the trial must have a place of the staircase", self.place, place)
+        off = np.abs(self.places - place)
+        asked = int(np.argmin(off))
+        low, high = float(self.places[0]), float(self.places[-1])
+        # Rounding apart, as of a number that was written with ten digits.
+        if not off[asked] <= 1e-6 * (self.places[1] - low):
+            text = f"{self.place} = {place}: must be one of the {self.places.size} places from {low:g} to {high:g}"
+            raise OutOfRange(text, self.place, place, low, high)
         posterior = self._posterior * self._likelihood[bool(answer)][asked]
         self._posterior = posterior / posterior.sum()
         self._answered += 1
+
+    def __repr__(self) -> str:
+        low, high = float(self.places[0]), float(self.places[-1])
+        text = f"Staircase({low:g}, {high:g}, place={self.place!r}: {self._answered} of {self.trials} trials"
+        return f"{text}, threshold={self.threshold:.6g} +- {self.deviation:.2g})"
 
     def _marginal(self, axis: int) -> NDArray[np.float64]:
         shape = (self.thresholds.size, self.spreads.size)
@@ -131,8 +155,12 @@ class Staircase:
 
 
 def _check(field: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
+    if not _is_number(value) or not low <= value <= high:
         raise OutOfRange(f"{field} = {value}: must be {low:g} to {high:g}", field, value, low, high)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
 
 
 def _normal(z: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""A list of trials on a device, one row of a table for each.
+"""Trials on a device: each is played, answered, and written as a row of a BIDS dataset before the next one.
 
 ::
 
@@ -6,50 +6,67 @@
         device.use(slipline.Plate("membrane"))
         device.arm()
         trials = [{"turning_point_m": x, "level": 0.8, "duration_s": 0.5} for x in (0.12, 0.16, 0.2)]
-        slipline.trials.run(device, trials, respond=ask, folder="subject-01")
+        slipline.trials.run(device, trials, respond=ask, folder="study", subject="01", task="edge", seed=1)
 
-The folder has ``events.tsv`` in the columns of BIDS (the Brain Imaging Data Structure, 1.10: "Task events") and ``events.json``,
-which describes the columns. A row is on the disk before the next trial begins: the same call goes on after the last one.
+The dataset (Brain Imaging Data Structure, BIDS 1.10) has ``sub-01/ses-01/beh/sub-01_ses-01_task-edge_events.tsv`` and a description
+of its columns in ``.._events.json``. The same call goes on after the last row, also after a kill.
 """
 
 from __future__ import annotations
 
-import json
-import math
 import os
-import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .errors import BadFile, OutOfRange, Refused
-from .staircase import PLACES, Staircase
+from ._slipline import VERSION
+from ._trial_fields import FIELDS, Trial, check_on_plate, checked
+from ._trial_files import Description, describe_dataset, events_path
+from ._trial_order import check_seed, interval_s, ordered
+from ._trial_play import ANSWERED, Played, Player, columns_of
+from ._trial_table import COLUMNS, Axis, Table, answer_of, date_of
+from .errors import BadFile, OutOfRange, Unattended
+from .staircase import Staircase
 
-__all__ = ["COLUMNS", "run"]
+__all__ = ["COLUMNS", "Interleaved", "interleaved", "run"]
 
-#: The columns of events.tsv, each with its description in events.json. What has no value is n/a.
-COLUMNS: Mapping[str, Mapping[str, str]] = {
-    "onset": {"Description": "First sample of the trial's drive on the device's sample clock", "Units": "s"},
-    "duration": {"Description": "From the onset to the first sample at which the tone fades", "Units": "s"},
-    "trial_type": {"Description": "The trial's own type"},
-    "response": {"Description": "The answer; yes and no where it was true or false"},
-    "response_time": {"Description": "From the call for the answer to the answer, by this computer's clock", "Units": "s"},
-    "at_samples": {"Description": "First sample of the trial's drive on the device's sample clock", "Units": "samples"},
-    "turning_point_m": {"Description": "Turning point of the tone by the plate in use", "Units": "m"},
-    "felt_edge_m": {"Description": "Felt edge of the tone by the plate in use", "Units": "m"},
-    "frequency_hz": {"Description": "Frequency of the tone", "Units": "Hz"},
-    "level": {"Description": "Level of the tone, 0 to 1 of the table's full scale"},
-    "measured_place_m": {"Description": "Measured place, as the answer function reported it", "Units": "m"},
-    "measured_level": {"Description": "Measured level, as the answer function reported it"},
-    "plate": {"Description": "Name of the plate in use"},
-    "table_crc": {"Description": "CRC-32 of the table on the device, eight hexadecimal digits"},
-    "seed": {"Description": "Seed of the order of the trials; n/a where they keep their order"},
-}
-# What the answer function may add to a trial.
-MEASURED = ("measured_place_m", "measured_level")
-LONGEST_S = 600.0
+#: What a trial may not name: the columns that the run writes.
+RESERVED = [column for column in COLUMNS if column not in FIELDS]
+
+
+class Interleaved:
+    """Staircases whose trials come mixed; what :func:`interleaved` returns."""
+
+    def __init__(self, staircases: tuple[Staircase, ...], seed: int) -> None:
+        self.staircases = staircases
+        self._seed = seed
+
+    def __iter__(self) -> Generator[dict[str, Any], Any, None]:
+        rng = np.random.default_rng(self._seed)
+        while left := [staircase for staircase in self.staircases if not staircase.done]:
+            # As if the trials of all were shuffled: none is left to the end alone.
+            shares = np.array([staircase.left for staircase in left], dtype=float)
+            staircase = left[int(rng.choice(len(left), p=shares / shares.sum()))]
+            trial = staircase.trial()
+            answer = yield trial
+            if answer is not None:
+                staircase.take_answer(trial, answer)
+
+    def __repr__(self) -> str:
+        return f"interleaved({', '.join(map(repr, self.staircases))}, seed={self._seed})"
+
+
+def interleaved(*staircases: Staircase, seed: int = 0) -> Interleaved:
+    """Staircases run at the same time: each trial is one of a staircase that is not done, drawn by the seed from the trials left.
+
+    :func:`run` takes it, and so does ``yield from`` in a generator of your own. A trial without an answer is asked again.
+    """
+    check_seed(seed)
+    if not staircases or not all(isinstance(staircase, Staircase) for staircase in staircases):
+        raise OutOfRange("staircases: interleaved() takes one staircase or more", "staircases", staircases)
+    return Interleaved(staircases, seed)
 
 
 def run(
@@ -58,186 +75,201 @@ def run(
     respond: Callable[[dict[str, Any]], Any],
     *,
     folder: str | os.PathLike[str],
+    subject: str,
+    task: str,
+    session: str = "01",
+    run: int | None = None,
     seed: int | None = None,
+    max_alike: int | None = None,
+    alike: str = "trial_type",
+    practice: Iterable[Mapping[str, Any]] = (),
+    break_every: int | None = None,
+    take_break: Callable[[dict[str, Any]], Any] | None = None,
+    columns: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> list[dict[str, str]]:
-    """Runs the trials that have no row yet, and returns the rows of all of them.
+    """Runs the trials that have no row yet, and returns the rows of all of them. The device must be armed.
 
-    A trial has ``felt_edge_m``, ``turning_point_m`` or ``frequency_hz``, and may have ``level`` (0.8), ``duration_s`` and
-    ``trial_type``. Its tone sounds for ``duration_s``, rounded up to a block of 128 samples, and fades within 20 ms; then
-    ``respond(trial)`` gives the answer; without ``duration_s`` it sounds until the answer is given. ``respond`` gets the trial with
-    the fields of its drive; what it puts into ``measured_place_m`` and ``measured_level`` of it goes to the row. A
-    :class:`Staircase` takes true or false.
+    **A trial** is a dictionary. What sounds: ``felt_edge_m``, ``turning_point_m`` or ``frequency_hz`` with ``level`` (0.8);
+    further ``tones``, a list of a place and a level each; or a ``texture`` of ``plate.texture()``. A place of ``None``, a level
+    of 0 or ``"tones": []`` is a catch trial: a tone of level 0, with the timing and the trigger output of any other.
+    ``duration_s`` is rounded up to a block of 128 samples, and the tone fades within 20 ms; without it the tone sounds until
+    the answer, ``timeout_s`` at the longest. ``intervals`` is a list of such dictionaries, ``gap_s`` (0.5) apart, in one trial.
+    ``trial_type`` is a text, ``iti_s`` the time from the end of the trial before, a number or a range of seconds; all times are
+    up to 600 s. Any other field is a column of your own. A list, tuple or array is checked before its first trial, by the plate
+    in use, too; the trials of an iterator are taken one at a time.
 
-    With a ``seed`` the trials of a list come in a random order, which the seed alone determines. The device must be armed. A
-    folder with the rows of other trials is refused: :class:`BadFile`.
+    **The answer**, the result of ``respond(trial)``, is a truth value, a number, a text, ``None``, or a dictionary of
+    ``response``, ``response_time`` in seconds where it knows it better, and columns of your own. ``respond`` gets the trial
+    with the places and ``at_samples`` of its tone, ``number`` from 0 and ``practice``. It is called when the tone has faded or,
+    without ``duration_s``, when it has begun. The response time counts from that call, or as ``response_time_from`` names:
+    ``"end"`` of the last tone, ``"onset"``, or ``"last_onset"`` of the last interval; with an onset ``respond`` is called while
+    the tone sounds. With ``timeout_s`` an answer after more than that, or ``None``, is ``timed_out``: ``respond`` returns by
+    then. A generator gets the answer from ``answer = yield trial`` as its cell reads: true or false, a number, a text, or
+    ``None`` for none in time. A ``Staircase`` takes true or false and repeats a trial without an answer.
+
+    **Order.** With a ``seed`` a list comes in a random order, in which trials of the same ``block`` stay together and no more
+    than ``max_alike`` with the same field ``alike`` follow each other in a block. The seed draws ``iti_s``, too. ``practice``
+    is a list of trials that come first, in their order. ``take_break(trial)`` is called before the first trial after the
+    practice, of another block, and after each ``break_every`` trials: the device is disarmed meanwhile, for as long as it
+    takes, and armed when it returns.
+
+    **Rows.** ``folder`` is a BIDS dataset; ``subject``, ``session``, ``task`` and ``run`` name the file in it. ``columns``
+    describes columns in ``events.json`` (``{"confidence": {"Description": .., "Levels": {..}}}``); what you write into that
+    file is kept. A later call goes on after the last row. It refuses by its name what differs from the rows: :class:`BadFile`.
+
+    Raises ``OutOfRange`` for a wrong trial. ``Unattended`` where an answer took longer than the device's ``unattended_s``: its
+    row is written; after ``device.arm()`` the same call goes on.
     """
-    table = _Table(Path(folder), seed)
-    if isinstance(trials, Staircase):
-        if seed is not None:
-            raise OutOfRange(f"seed = {seed}: a staircase has its own order, so it must be None", "seed", seed)
-        for row in table.rows:
-            if trials.done:
-                raise BadFile(f"{table.path}: it has more rows than the staircase has trials")
-            trial = _checked(trials.trial())
-            table.check(row, trial)
-            trials.take_answer(trial, _yes(row["response"], str(table.path)))
-        while not trials.done:
-            trial = _checked(trials.trial())
-            row = _one(device, trial, respond)
-            answer = _yes(_cell(row["response"]), "respond(trial)")
-            table.add(row)
-            trials.take_answer(trial, answer)
-    else:
-        listed = [_checked(trial) for trial in trials]
-        if seed is not None:
-            listed = [listed[number] for number in np.random.default_rng(seed).permutation(len(listed))]
-        if len(table.rows) > len(listed):
-            raise BadFile(f"{table.path}: it has {len(table.rows)} rows, and there are {len(listed)} trials")
-        for row, trial in zip(table.rows, listed):
-            table.check(row, trial)
-        for trial in listed[len(table.rows) :]:
-            table.add(_one(device, trial, respond))
+    check_seed(seed)
+    if break_every is not None and (isinstance(break_every, bool) or not isinstance(break_every, int) or break_every < 1):
+        raise OutOfRange(f"break_every = {break_every!r}: must be None or a whole number from 1", "break_every", break_every)
+    if break_every is not None and take_break is None:
+        raise OutOfRange("break_every: needs take_break, which is called in the break", "break_every", break_every)
+    plate = getattr(device, "plate", None)
+    first = _checked_list(practice, plate, seed)
+    source = _source(trials, seed, max_alike, alike, plate)
+    path = events_path(Path(folder), subject, session, task, run)
+    description = Description(path.with_suffix(".json"), task, VERSION, columns or {})
+    table = Table(path, description)
+    describe_dataset(Path(folder), VERSION)
+    runner = _Runner(device, respond, take_break, break_every, table, {"session": session, "seed": seed}, len(first))
+    takes_yes = isinstance(trials, (Staircase, Interleaved))
+    before: Trial | None = None
+    number = -1
+    try:
+        for number, (trial, take_answer) in enumerate(_each(first, source)):
+            runner.have_row(number, trial, before, takes_yes)
+            take_answer(answer_of(table.rows[number]))
+            before = trial
+    except Unattended as error:
+        raise Unattended(f"{error}; the answers so far are written: device.arm(), and the same call goes on") from error
+    finally:
+        source.close()
+    if len(table.rows) > number + 1:
+        raise BadFile(f"{path}: it has {len(table.rows)} rows, and there are {number + 1} trials")
     return table.rows
 
 
-def _checked(trial: Mapping[str, Any]) -> dict[str, Any]:
-    allowed = {*PLACES, "level", "duration_s", "trial_type"}
-    for field in trial:
-        if field not in allowed:
-            raise OutOfRange(f"{field}: a trial has {', '.join(sorted(allowed))}", field, trial[field])
-    places = [field for field in PLACES if trial.get(field) is not None]
-    if len(places) != 1:
-        raise OutOfRange(f"a trial has one of {', '.join(PLACES)}: this one has {len(places)}", "trials", dict(trial))
-    duration_s = trial.get("duration_s")
-    if duration_s is not None and not 0.0 < duration_s <= LONGEST_S:
-        text = f"duration_s = {duration_s}: must be above 0, up to {LONGEST_S:g} s"
-        raise OutOfRange(text, "duration_s", duration_s, 0.0, LONGEST_S)
-    trial_type = str(trial.get("trial_type", "trial"))
-    if not trial_type or any(ord(letter) < 32 for letter in trial_type):
-        raise OutOfRange(f"trial_type = {trial_type!r}: must be one line without tabs", "trial_type", trial_type)
-    given = {field: float(trial[field]) for field in places}
-    level = float(trial.get("level", 0.8))
-    return {"trial_type": trial_type, **given, "level": level, "duration_s": duration_s}
+class _Runner:
+    """Trials on a device with the rows that they have, or get."""
+
+    def __init__(
+        self,
+        device: Any,
+        respond: Callable[[dict[str, Any]], Any],
+        take_break: Callable[[dict[str, Any]], Any] | None,
+        break_every: int | None,
+        table: Table,
+        cells: dict[str, Any],
+        practice: int,
+    ) -> None:
+        self._device = device
+        self._player = Player(device, respond)
+        self._take_break = take_break
+        self._break_every = break_every
+        self._table = table
+        self._axis = Axis(table.rows)
+        self._first = len(table.rows)
+        self._practice = practice
+        part = table.rows[-1]["part"] if table.rows else "0"
+        if not part.isdecimal():
+            raise BadFile(f"{table.path}, line {len(table.rows) + 1}: its part is {part}, not a number")
+        self._cells = {**cells, "part": int(part) + 1}
+
+    def have_row(self, number: int, trial: Trial, before: Trial | None, takes_yes: bool) -> None:
+        """Compares the trial with its row; plays it, if it has none."""
+        is_practice = number < self._practice
+        iti_s = interval_s(trial, self._cells["seed"], number)
+        if number < len(self._table.rows):
+            self._table.check(number, trial, {"seed": self._cells["seed"], "practice": is_practice, "iti_s": iti_s})
+            return
+        if number == self._first:
+            plate = getattr(self._device, "plate", None)
+            self._table.check_device(getattr(plate, "name", None), getattr(self._device.status().table, "crc", None))
+        shown = {**trial.given, "trial_type": trial.trial_type, "number": number, "practice": is_practice}
+        break_s = None
+        if self._take_break is not None and before is not None and self._is_due(number, trial, before):
+            break_s = self._player.rest(self._take_break, shown)
+        played = self._player.play(trial, iti_s, shown)
+        answer = columns_of(played.answer, [*COLUMNS, *trial.own])
+        response = answer["response"]
+        if takes_yes and not is_practice and not (response is None or isinstance(response, (bool, np.bool_))):
+            text = f"respond(trial) returned {response!r}: a staircase takes true or false, or None for no answer"
+            raise OutOfRange(text, "respond", response)
+        self._write(played, trial, answer, {"practice": is_practice, "break_s": break_s})
+        if played.error is not None:
+            raise played.error
+
+    def _is_due(self, number: int, trial: Trial, before: Trial) -> bool:
+        """Whether a break comes before this trial."""
+        main = number - self._practice
+        is_counted = self._break_every is not None and main > 0 and main % self._break_every == 0
+        return main == 0 or is_counted or before.own.get("block") != trial.own.get("block")
+
+    def _write(self, played: Played, trial: Trial, answer: Mapping[str, Any], values: Mapping[str, Any]) -> None:
+        onset_s = self._axis.onset_s(played.values["at_samples"], played.unit, played.rate_hz, played.unix_s, played.monotonic_s)
+        cells = {**self._cells, **played.values, **values, "onset": onset_s, "unit": played.unit}
+        cells |= {"date": date_of(played.unix_s), "host_clock_s": played.monotonic_s}
+        cells |= {column: answer[column] for column in ANSWERED if column in answer}
+        if trial.timeout_s is not None:
+            time_s = cells["response_time"]
+            in_time = isinstance(time_s, (int, float, np.floating)) and time_s <= trial.timeout_s
+            cells["timed_out"] = answer["response"] is None or not in_time
+        own = {column: value for column, value in answer.items() if column not in ANSWERED}
+        self._table.add(cells, {**trial.own, **own})
 
 
-def _one(device: Any, trial: dict[str, Any], respond: Callable[[dict[str, Any]], Any]) -> dict[str, Any]:
-    """Runs one trial; its row, as values."""
-    place = {field: trial[field] for field in PLACES if field in trial}
-    rate_hz = device.status().sample_rate_hz
-    drive = device.drive(**place, level=trial["level"])
-    if drive.superseded:
-        raise Refused("the trial's drive never began: another thread drives or stops the device")
-    at_samples = drive.at_samples
-    tone = drive.tones[0]
-    stopped = None
-    if trial["duration_s"] is not None:
-        # Before it has begun: the end is then at its sample, whatever this program is doing.
-        stopped = device.stop(at=at_samples + round(trial["duration_s"] * rate_hz))
-    device.wait(drive)
-    # The requested place as it was given, the others by the plate.
-    places = {**{field: getattr(tone, field) for field in PLACES}, **place}
-    asked = {**trial, **places, "at_samples": at_samples}
-    if stopped is not None:
-        # A stop of another thread ends it before.
-        stopped = min(stopped, device.wait(stopped))
-    began_s = time.monotonic()
-    response = respond(asked)
-    response_time_s = time.monotonic() - began_s
-    if stopped is None:
-        stopped = device.stop()
-    return {
-        "onset": at_samples / rate_hz,
-        "duration": (stopped - at_samples) / rate_hz,
-        "trial_type": trial["trial_type"],
-        "response": response,
-        "response_time": response_time_s,
-        "at_samples": at_samples,
-        **places,
-        "level": trial["level"],
-        **{field: asked.get(field) for field in MEASURED},
-        "plate": drive.plate,
-        "table_crc": drive.table.crc,
-    }
-
-
-class _Table:
-    """events.tsv, of which every row is on the disk."""
-
-    def __init__(self, folder: Path, seed: int | None) -> None:
-        self.path = folder / "events.tsv"
-        self.seed = seed
-        self.rows: list[dict[str, str]] = []
-        header = "\t".join(COLUMNS)
-        folder.mkdir(parents=True, exist_ok=True)
-        _replace(folder / "events.json", json.dumps(COLUMNS, indent=2) + "\n")
-        if not self.path.exists():
-            _replace(self.path, header + "\n")
-        text = self.path.read_bytes()
-        # A process that was killed while writing a row has left a part of it.
-        whole = text[: text.rfind(b"\n") + 1]
-        lines = whole.decode("utf-8").splitlines()
-        if not lines or lines[0] != header:
-            raise BadFile(f"{self.path}: its first line has other columns than a list of trials writes")
-        for number, line in enumerate(lines[1:], 2):
-            cells = line.split("\t")
-            if len(cells) != len(COLUMNS):
-                raise BadFile(f"{self.path}, line {number}: it has {len(cells)} cells, not {len(COLUMNS)}")
-            self.rows.append(dict(zip(COLUMNS, cells)))
-        if len(whole) != len(text):
-            with self.path.open("r+b") as file:
-                file.truncate(len(whole))
-                os.fsync(file.fileno())
-
-    def add(self, values: Mapping[str, Any]) -> dict[str, str]:
-        """Writes a row; it is on the disk when this returns."""
-        row = {column: _cell({**values, "seed": self.seed}.get(column)) for column in COLUMNS}
-        with self.path.open("ab") as file:
-            file.write(("\t".join(row.values()) + "\n").encode("utf-8"))
-            file.flush()
-            os.fsync(file.fileno())
-        self.rows.append(row)
-        return row
-
-    def check(self, row: Mapping[str, str], trial: Mapping[str, Any]) -> None:
-        """Refuses the row of another trial."""
-        wanted = {field: trial[field] for field in (*PLACES, "trial_type", "level") if field in trial}
-        for field, value in {"seed": self.seed, **wanted}.items():
-            if row[field] != _cell(value):
-                number = 2 + next(number for number, other in enumerate(self.rows) if other is row)
-                raise BadFile(
-                    f"{self.path}, line {number}: it is of another list of trials, its {field} is {row[field]}, not "
-                    f"{_cell(value)}; name another folder"
-                )
-
-
-def _replace(path: Path, text: str) -> None:
-    """Writes a whole file or none, and has it on the disk."""
-    part = path.with_name(path.name + ".part")
-    with part.open("wb") as file:
-        file.write(text.encode("utf-8"))
-        file.flush()
-        os.fsync(file.fileno())
-    part.replace(path)
-    if hasattr(os, "O_DIRECTORY"):
-        descriptor = os.open(path.parent, os.O_DIRECTORY)
+def _checked_list(trials: Iterable[Mapping[str, Any]], plate: Any, seed: int | None) -> list[Trial]:
+    found = []
+    for number, trial in enumerate(trials, 1):
         try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
+            found.append(checked(trial, RESERVED))
+            interval_s(found[-1], seed, 0)
+        except OutOfRange as error:
+            raise OutOfRange(f"trial {number}: {error}", error.field, error.value, error.low, error.high) from None
+    if plate is not None:
+        check_on_plate(found, plate)
+    return found
 
 
-def _cell(value: Any) -> str:
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return "n/a"
-    if isinstance(value, (bool, np.bool_)):
-        return "yes" if value else "no"
-    if isinstance(value, (float, np.floating)):
-        return repr(float(value))
-    # A tab or a line break in an answer would make another row of it.
-    return " ".join(str(value).split()) or "n/a"
+def _source(
+    trials: Iterable[Mapping[str, Any]] | Staircase, seed: int | None, max_alike: int | None, alike: str, plate: Any
+) -> Generator[Trial, Any, None]:
+    """The trials one at a time, which takes the answer to each. What is known of them is checked before."""
+    if isinstance(trials, Staircase):
+        trials = Interleaved((trials,), 0)
+    if isinstance(trials, (Interleaved, Iterator)):
+        if max_alike is not None:
+            raise OutOfRange(f"max_alike = {max_alike}: the trials of an iterator have their own order", "max_alike", max_alike)
+        return _one_at_a_time(iter(trials))
+    listed = ordered(_checked_list(trials, plate, seed), seed, max_alike, alike)
+    return (trial for trial in listed)
 
 
-def _yes(response: str, where: str) -> bool:
-    if response not in ("yes", "no"):
-        raise BadFile(f"{where}: a staircase takes true or false (yes or no), not {response!r}")
-    return response == "yes"
+def _one_at_a_time(trials: Iterator[Mapping[str, Any]]) -> Generator[Trial, Any, None]:
+    send = getattr(trials, "send", None)
+    try:
+        trial = next(trials)
+        while True:
+            answer = yield checked(trial, RESERVED)
+            trial = next(trials) if send is None else send(answer)
+    except StopIteration:
+        return
+    finally:
+        close = getattr(trials, "close", None)
+        if close is not None:
+            close()
+
+
+def _each(first: list[Trial], source: Generator[Trial, Any, None]) -> Iterator[tuple[Trial, Callable[[Any], None]]]:
+    """The practice, and then the trials, each with the function that takes its answer."""
+    for trial in first:
+        yield trial, lambda _answer: None
+    answers: list[Any] = []
+    try:
+        trial = next(source)
+        while True:
+            yield trial, answers.append
+            trial = source.send(answers.pop())
+    except StopIteration:
+        return

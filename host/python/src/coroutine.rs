@@ -38,3 +38,17 @@ impl<'py> IntoPyObject<'py> for StatusIterator<'py> {
         Ok(self.0)
     }
 }
+
+/// A break of a device.
+pub(crate) struct Rest<'py>(pub(crate) Bound<'py, PyAny>);
+
+impl<'py> IntoPyObject<'py> for Rest<'py> {
+    type Target = PyAny;
+    type Output = Bound<'py, PyAny>;
+    type Error = Infallible;
+    const OUTPUT_TYPE: PyStaticExpr = type_hint_identifier!("slipline._rest", "Rest");
+
+    fn into_pyobject(self, _py: Python<'py>) -> Result<Self::Output, Infallible> {
+        Ok(self.0)
+    }
+}

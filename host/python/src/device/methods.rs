@@ -6,7 +6,7 @@ use super::step::{Step, asked_tone, further_tone};
 use super::wait::{Awaited, Limits, SampleIndex};
 use super::{Block, Device, Loaded, closed, lock, may_be_armed, take_signal};
 use crate::arguments::items;
-use crate::coroutine::{Coroutine, StatusIterator};
+use crate::coroutine::{Coroutine, Rest, StatusIterator};
 use crate::error::Failure;
 use crate::measurement::Measurement;
 use crate::plate::{Plate as PyPlate, check_length};
@@ -70,6 +70,17 @@ impl Device {
     /// Ramps to silence and mutes the amplifier; returns when it is silent.
     fn disarm(&self, py: Python<'_>) -> PyResult<()> {
         self.call(py, |client| Ok(client.disarm()?))
+    }
+
+    /// Disarms the device for a break of any length: a disarmed device needs no call.
+    ///
+    /// The result's ``go_on()`` arms the device as the latest :meth:`arm` did. In ``with device.rest():`` the end of the block does so.
+    fn rest<'py>(slf: &Bound<'py, Self>) -> PyResult<Rest<'py>> {
+        let device = slf.get();
+        device.disarm(slf.py())?;
+        let ArmingConsent { despite_brown_out_level, despite_no_profile } = lock(&device.state).consent;
+        let rest = slf.py().import("slipline._rest")?.getattr("Rest")?;
+        Ok(Rest(rest.call1((slf, despite_brown_out_level, despite_no_profile))?))
     }
 
     /// Clears the latched faults whose causes are gone. The device is disarmed then: call :meth:`arm`.
@@ -380,6 +391,13 @@ impl Device {
     #[getter]
     fn sample_rate_hz(&self, py: Python<'_>) -> PyResult<u32> {
         self.call(py, |client| Ok(client.identity()?.sample_rate_hz))
+    }
+
+    /// The plate in use; ``None`` before :meth:`use`.
+    #[getter]
+    fn plate(&self) -> Option<PyPlate> {
+        let loaded = lock(&self.state).loaded.clone()?;
+        Some(PyPlate { plate: loaded.plate, responders: Arc::default() })
     }
 
     /// Opens the block without ``with``, as for a notebook: :meth:`close` leaves it.
