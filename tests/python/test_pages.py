@@ -16,23 +16,37 @@ STAND_INS = HERE / "stand_ins"
 PAGES = [page for page in (PACKAGE / "README.md", *sorted((PACKAGE / "docs").glob("*.md"))) if "```python\n" in page.read_text()]
 
 
-def run(page: Path, folder: Path) -> subprocess.CompletedProcess[str]:
-    """Runs a page in a folder."""
-    environment = {
-        **os.environ,
-        "MPLBACKEND": "Agg",
-        "PATH": f"{STAND_INS / 'commands'}:{os.environ['PATH']}",
-        "PYTHONPATH": str(STAND_INS),
-    }
-    line = [sys.executable, str(HERE / "page_blocks.py"), str(page)]
-    return subprocess.run(line, cwd=folder, env=environment, capture_output=True, text=True)
+class Run:
+    """A page whose blocks run in a folder."""
+
+    def __init__(self, page: Path, folder: Path) -> None:
+        environment = {
+            **os.environ,
+            "MPLBACKEND": "Agg",
+            "PATH": f"{STAND_INS / 'commands'}:{os.environ['PATH']}",
+            "PYTHONPATH": str(STAND_INS),
+        }
+        line = [sys.executable, str(HERE / "page_blocks.py"), str(page)]
+        self.process = subprocess.Popen(
+            line, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+
+    def ended(self) -> tuple[int, str, str]:
+        """Its exit code, what it printed, and its error stream."""
+        output, errors = self.process.communicate()
+        return self.process.returncode, output, errors
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, Run]:
+    """All pages at once: they wait for a device more than they compute."""
+    return {page: Run(page, tmp_path_factory.mktemp(page.stem)) for page in PAGES}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_the_blocks_of_a_page_run_and_print_what_the_page_says(page: Path, tmp_path: Path) -> None:
-    done = run(page, tmp_path)
-    assert done.returncode == 0, done.stderr
-    print(f"{page.name}: {done.stdout}")
+def test_the_blocks_of_a_page_run_and_print_what_the_page_says(page: Path, runs: dict[Path, Run]) -> None:
+    code, _, errors = runs[page].ended()
+    assert code == 0, errors
 
 
 @pytest.mark.parametrize(
@@ -45,11 +59,10 @@ def test_the_blocks_of_a_page_run_and_print_what_the_page_says(page: Path, tmp_p
 )
 def test_another_text_and_an_exception_are_found_with_their_line(blocks: str, words: str, tmp_path: Path) -> None:
     (tmp_path / "page.md").write_text(f"# Page\n\n{blocks}")
-    done = run(tmp_path / "page.md", tmp_path)
-    assert done.returncode == 1 and words in done.stderr
+    code, _, errors = Run(tmp_path / "page.md", tmp_path).ended()
+    assert code == 1 and words in errors
 
 
 def test_blocks_share_their_names_and_may_be_all_right(tmp_path: Path) -> None:
     (tmp_path / "page.md").write_text("```python\nx = 1\n```\n\n```python\nprint(x)\n```\n\n```text\n1\n```\n")
-    done = run(tmp_path / "page.md", tmp_path)
-    assert (done.returncode, done.stdout) == (0, "2 blocks\n"), done.stderr
+    assert Run(tmp_path / "page.md", tmp_path).ended() == (0, "2 blocks\n", "")
