@@ -23,7 +23,8 @@ class Run:
         environment = {
             **os.environ,
             "MPLBACKEND": "Agg",
-            "PATH": f"{STAND_INS / 'commands'}:{os.environ['PATH']}",
+            # Programs of packages, too.
+            "PATH": f"{STAND_INS / 'commands'}:{Path(sys.executable).parent}:{os.environ['PATH']}",
             "PYTHONPATH": str(STAND_INS),
         }
         line = [sys.executable, str(HERE / "page_blocks.py"), str(page)]
