@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -16,37 +18,30 @@ STAND_INS = HERE / "stand_ins"
 PAGES = [page for page in (PACKAGE / "README.md", *sorted((PACKAGE / "docs").glob("*.md"))) if "```python\n" in page.read_text()]
 
 
-class Run:
-    """A page whose blocks run in a folder."""
-
-    def __init__(self, page: Path, folder: Path) -> None:
-        environment = {
-            **os.environ,
-            "MPLBACKEND": "Agg",
-            # Programs of packages, too.
-            "PATH": f"{STAND_INS / 'commands'}:{Path(sys.executable).parent}:{os.environ['PATH']}",
-            "PYTHONPATH": str(STAND_INS),
-        }
-        line = [sys.executable, str(HERE / "page_blocks.py"), str(page)]
-        self.process = subprocess.Popen(
-            line, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        )
-
-    def ended(self) -> tuple[int, str, str]:
-        """Its exit code, what it printed, and its error stream."""
-        output, errors = self.process.communicate()
-        return self.process.returncode, output, errors
+def run(page: Path, folder: Path) -> tuple[int, str, str]:
+    """Runs a page in a folder: its exit code, what it printed, and its error stream."""
+    environment = {
+        **os.environ,
+        "MPLBACKEND": "Agg",
+        # Programs of packages, too.
+        "PATH": f"{STAND_INS / 'commands'}:{Path(sys.executable).parent}:{os.environ['PATH']}",
+        "PYTHONPATH": str(STAND_INS),
+    }
+    line = [sys.executable, str(HERE / "page_blocks.py"), str(page)]
+    done = subprocess.run(line, cwd=folder, env=environment, capture_output=True, text=True)
+    return done.returncode, done.stdout, done.stderr
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, Run]:
-    """All pages at once: they wait for a device more than they compute."""
-    return {page: Run(page, tmp_path_factory.mktemp(page.stem)) for page in PAGES}
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[Path, Future[tuple[int, str, str]]]]:
+    """Two pages at a time: each waits for a device about as long as it computes."""
+    with ThreadPoolExecutor(2) as pool:
+        yield {page: pool.submit(run, page, tmp_path_factory.mktemp(page.stem)) for page in PAGES}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_the_blocks_of_a_page_run_and_print_what_the_page_says(page: Path, runs: dict[Path, Run]) -> None:
-    code, _, errors = runs[page].ended()
+def test_the_blocks_of_a_page_run_and_print_what_the_page_says(page: Path, runs: dict[Path, Future[tuple[int, str, str]]]) -> None:
+    code, _, errors = runs[page].result()
     assert code == 0, errors
 
 
@@ -60,10 +55,10 @@ def test_the_blocks_of_a_page_run_and_print_what_the_page_says(page: Path, runs:
 )
 def test_another_text_and_an_exception_are_found_with_their_line(blocks: str, words: str, tmp_path: Path) -> None:
     (tmp_path / "page.md").write_text(f"# Page\n\n{blocks}")
-    code, _, errors = Run(tmp_path / "page.md", tmp_path).ended()
+    code, _, errors = run(tmp_path / "page.md", tmp_path)
     assert code == 1 and words in errors
 
 
 def test_blocks_share_their_names_and_may_be_all_right(tmp_path: Path) -> None:
     (tmp_path / "page.md").write_text("```python\nx = 1\n```\n\n```python\nprint(x)\n```\n\n```text\n1\n```\n")
-    assert Run(tmp_path / "page.md", tmp_path).ended() == (0, "2 blocks\n", "")
+    assert run(tmp_path / "page.md", tmp_path) == (0, "2 blocks\n", "")
