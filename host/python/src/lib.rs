@@ -25,6 +25,8 @@
 //!
 //! Also: the thin layer `host/python/slipline/`, examples (`host/python/examples/`) and the `PsychoPy` plug-in
 //! (`host/python/psychopy-slipline/`). Tests: `tests/python/test_examples.py`, `tests/python/test_psychopy_plugin.py`.
+//! Pages and notebooks: `host/python/docs/`, made into a site by `host/python/mkdocs.yml`. Tests:
+//! `tests/python/test_pages.py`, `tests/python/notebooks.py`, `tests/python/docs_site.py`
 
 #![forbid(unsafe_code)]
 #![warn(clippy::expect_used, clippy::unwrap_used)]

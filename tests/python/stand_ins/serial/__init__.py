@@ -1,0 +1,1 @@
+"""A stand-in for pyserial, which PsychoPy brings along."""
