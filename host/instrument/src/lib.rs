@@ -71,7 +71,7 @@ pub mod rig;
 
 pub use instrument::{
     Asked, AskedContent, AskedTable, Attention, Awaited, Background, CalibrateIntent, CalibrateScene,
-    CalibrationSide, DesignState, Desk, DeviceIntent, DragRecorder, Drive, HoldScene, Instrument, Jobs, Link, LiveScene,
-    MeasureDraft, MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, Progress, SAFE_MODE, Screen,
-    Shown, TextureScene, TourScene, TourStep, Waiting, fault_sentence,
+    CalibrationSide, DesignState, Desk, DeviceIntent, DragRecorder, Drive, HoldScene, Instrument, Jobs, Link,
+    LiveScene, MeasureDraft, MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, Progress, SAFE_MODE,
+    Screen, Shown, TextureScene, TourScene, TourStep, Waiting, fault_sentence,
 };

@@ -55,7 +55,9 @@ impl Instrument {
         let other = self.before_after.as_ref().and_then(|pair| {
             Some(match pair.side(self.desk.plate())? {
                 CalibrationSide::Before => (&pair.after, "After the calibration."),
-                CalibrationSide::After => (&pair.before, "Before the calibration: the plate as its file has it."),
+                CalibrationSide::After => {
+                    (&pair.before, "Before the calibration: the plate as its file has it.")
+                }
             })
         });
         let Some((plate, text)) = other else {

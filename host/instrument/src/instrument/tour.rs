@@ -56,16 +56,22 @@ impl TourStep {
     #[must_use]
     pub const fn sentence(self) -> &'static str {
         match self {
-            Self::Line => "Drag the line along the plate. The plate vibrates up to it and is still beyond it.",
+            Self::Line => {
+                "Drag the line along the plate. The plate vibrates up to it and is still beyond it."
+            }
             Self::Finger => "Drag the fingertip across the line. The trace below shows what a finger meets.",
-            Self::Texture => "Press Play this. Several tones together make an even area, a profile or stripes.",
+            Self::Texture => {
+                "Press Play this. Several tones together make an even area, a profile or stripes."
+            }
             Self::Measure => {
                 "Tick Hidden test plate and press Measure now. Its response is drawn beside what the file says."
             }
             Self::Calibrate => {
                 "Press Calibrate. Two measurements fit the file to the plate; B then shows before and after."
             }
-            Self::OwnPlate => "Choose one of the plates, or your own from a file. The designer makes one for a band.",
+            Self::OwnPlate => {
+                "Choose one of the plates, or your own from a file. The designer makes one for a band."
+            }
         }
     }
 

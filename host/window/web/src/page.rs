@@ -341,8 +341,7 @@ pub async fn open_page(
         let is_frame = host.is_frame();
         let app = app(creation, parts, host.is_still(), is_frame)?;
         let (link, reports) = (linked, reported);
-        let window =
-            Window { app, link, dropped, workers, host, reports, linked: None, is_frame, frames: 0 };
+        let window = Window { app, link, dropped, workers, host, reports, linked: None, is_frame, frames: 0 };
         Ok(Box::new(window) as Box<dyn eframe::App>)
     };
     runner.start(canvas, options, Box::new(create)).await?;

@@ -35,9 +35,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             .asks(intents, Intent::Measure(MeasureIntent::OpenFile));
         let calibrate = ui.button("Calibrate…");
         tour::mark(ui, scene, TourStep::Calibrate, calibrate.rect);
-        calibrate
-            .on_hover_text(CALIBRATE_HELP)
-            .asks(intents, Intent::Calibrate(CalibrateIntent::Open));
+        calibrate.on_hover_text(CALIBRATE_HELP).asks(intents, Intent::Calibrate(CalibrateIntent::Open));
     });
     if scene.dialog != Some(&Dialog::Calibrate) {
         foreign_form::show(ui, scene, &mut view.fields, intents);
