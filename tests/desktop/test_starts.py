@@ -9,6 +9,7 @@ from the window's pixels alone: the line is the darkest column through the envel
 import contextlib
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -62,6 +63,7 @@ class Desktop:
                 process.wait(20)
             except subprocess.TimeoutExpired:
                 process.kill()
+                process.wait()
 
         held.callback(end)
         return process
@@ -79,9 +81,9 @@ class Desktop:
 
     def place(self):
         """Left, top, width and height of the window, in pixels."""
-        lines = self.asked("xdotool", "getwindowgeometry", "--shell", self.window).split()
-        found = dict(line.split("=") for line in lines if "=" in line)
-        return [int(found[name]) for name in ("X", "Y", "WIDTH", "HEIGHT")]
+        said = self.asked("xwininfo", "-id", self.window)
+        names = ["Absolute upper-left X", "Absolute upper-left Y", "Width", "Height"]
+        return [int(re.search(rf"{name}:\s*(-?\d+)", said)[1]) for name in names]
 
     def pixels(self, left, top, width, height):
         """The colours of a part of the screen, three bytes each."""
@@ -93,7 +95,7 @@ class Desktop:
         """Where the line is, in pixels from the window's left edge; `None` while it is not seen."""
         left, top, width, height = self.place()
         # Just under the top of the envelope, where no curve is: a row over the stage alone.
-        row = self.pixels(left, top + int(0.335 * height), int(0.72 * width), 1)
+        row = self.pixels(left, top + int(0.36 * height), int(0.72 * width), 1)
         columns = [x for x in range(80, len(row) // 3) if row[3 * x : 3 * x + 3] in LINES]
         return columns[-1] if columns else None
 

@@ -55,8 +55,7 @@ fn while_it_is_measured_the_plate_is_not_exchanged() {
     let mut session = Session::felt_at_bench();
     session.calibrate_by_measuring();
     session.instrument.perform_measure(MeasureIntent::Begin(None));
-    session.pass(300);
-    assert!(session.is_measuring());
+    session.until("it measures", Session::is_measuring);
     show_other(&mut session);
     assert_eq!(side(&session), Some(CalibrationSide::After));
     assert!(session.is_measuring() && session.notice().contains("is being measured"), "{}", session.notice());

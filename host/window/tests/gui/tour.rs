@@ -80,8 +80,10 @@ fn b_shows_the_plate_before_a_calibration_and_after_it() {
     assert_ne!(after.spec(), before.spec());
     app.keys(Modifiers::NONE, Key::B, 1500);
     assert!(Arc::ptr_eq(&plate(&app), &before));
-    assert!(app.shows("Before the calibration") && app.is_driving());
+    assert!(app.shows("Before the calibration"), "{:?}", app.window.state().notice());
+    assert!(app.is_driving(), "{:?}", app.snapshot().record.log);
     app.keys(Modifiers::NONE, Key::B, 1500);
     assert!(Arc::ptr_eq(&plate(&app), &after));
-    assert!(app.shows("After the calibration") && app.is_driving());
+    assert!(app.shows("After the calibration"), "{:?}", app.window.state().notice());
+    assert!(app.is_driving(), "{:?}", app.snapshot().record.log);
 }
