@@ -50,7 +50,8 @@ impl Instrument {
     pub fn show_before_or_after(&mut self) {
         if self.lab.is_measuring() {
             let text = "The plate is being measured: cancel that or press STOP first.";
-            return self.out.hinder(text.to_owned());
+            // It would go with the next tones that are measured if it were of the device's state.
+            return self.out.post(text.to_owned());
         }
         let other = self.before_after.as_ref().and_then(|pair| {
             Some(match pair.side(self.desk.plate())? {
