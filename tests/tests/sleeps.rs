@@ -41,6 +41,7 @@ const SLEEPS: &[(&str, &[Sleep])] = &[
         &[Because("a job that is held: it ends when the test lets go of it or drops its queue")],
     ),
     ("host/window/tests/gui/test_app.rs", &[Polls]),
+    ("tests/desktop/test_starts.py", &[Polls, Polls, Polls]),
     (
         "tests/protocol/client.py",
         &[

@@ -22,7 +22,8 @@
 //!   act. `instrument/desk/`: setup, history, comparison; `instrument/drive/`: link, requests, table, STOP
 //!   (`instrument/drive/stop_presses.rs`); `instrument/lab/`: measurements, calibration, rig, level hold;
 //!   `instrument/screen/`: prediction, playback, textures, the actual plate beside the predicting one.
-//!   Edits and their sources: `instrument/edits.rs`; lines that stay on a calibrated plate: `instrument/held_lines.rs`;
+//!   Edits and their sources: `instrument/edits.rs`; the plate before and after a calibration:
+//!   `instrument/before_after.rs`, and lines that stay meanwhile: `instrument/held_lines.rs`; the tour: `instrument/tour.rs`;
 //!   files of what is shown: `instrument/exports.rs`. Tests:
 //!   `host/instrument/tests/in_use/`
 //! - `autopilot.rs`: sends drives and tables without a user action. Tests: `host/window/tests/gui/states.rs`,
@@ -70,7 +71,7 @@ pub mod rig;
 
 pub use instrument::{
     Asked, AskedContent, AskedTable, Attention, Awaited, Background, CalibrateIntent, CalibrateScene,
-    DesignState, Desk, DeviceIntent, DragRecorder, Drive, HoldScene, Instrument, Jobs, Link, LiveScene,
-    MeasureDraft, MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, Progress, SAFE_MODE, Screen,
-    Shown, TextureScene, Waiting, fault_sentence,
+    CalibrationSide, DesignState, Desk, DeviceIntent, DragRecorder, Drive, HoldScene, Instrument, Jobs, Link,
+    LiveScene, MeasureDraft, MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, Progress, SAFE_MODE,
+    Screen, Shown, TextureScene, TourScene, TourStep, Waiting, fault_sentence,
 };

@@ -1,6 +1,8 @@
 //! An instrument in use, without a window: a scripted session with the simulated device in virtual time, from
 //! the first connection to a calibrated plate and a pulled cable; and what each room does, a file each.
 
+#[path = "in_use/before_after.rs"]
+mod before_after;
 #[path = "in_use/chords.rs"]
 mod chords;
 #[cfg(feature = "native")]
@@ -44,6 +46,8 @@ mod sounding;
 mod starting;
 #[path = "in_use/texturing.rs"]
 mod texturing;
+#[path = "in_use/touring.rs"]
+mod touring;
 #[path = "in_use/verifying.rs"]
 mod verifying;
 

@@ -100,6 +100,8 @@ enum Lead {
     Demonstration(demonstration::Demonstration),
     /// The turn of the scenes that visitors see.
     Scenes(kiosk::Kiosk),
+    /// The page around the window: it shows plate and line alone.
+    Frame,
 }
 
 /// The app.
@@ -220,6 +222,7 @@ impl App {
         }
         self.take_results();
         self.advance_demonstration(ctx);
+        self.keep_to_stage();
         self.turn_scenes(ctx);
         if self.has_new_input(ctx) {
             self.keys(ctx);
@@ -272,7 +275,7 @@ impl App {
             sound,
             settings: &self.settings,
             magnification: self.magnification,
-            visitors: self.visitors_scene(),
+            stage_alone: self.stage_alone(),
             ports: &self.listed_ports(),
             dialog: self.dialog.as_ref(),
             has_address: self.services.address.is_some(),

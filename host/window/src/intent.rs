@@ -157,6 +157,8 @@ pub enum Intent {
     Speed(f64),
     /// Show the paused wave at this time, in seconds of the plate.
     Scrub(f64),
+    /// Show the plate before the latest calibration, or the calibrated one again.
+    BeforeOrAfter,
     /// Undo the latest change.
     Undo,
     /// Redo the change that was undone.
@@ -243,6 +245,14 @@ pub enum Intent {
     ShowDevice,
     /// Show the demonstration again.
     Demonstrate,
+    /// Begin the tour.
+    BeginTour,
+    /// The tour's next step, or its end after the last.
+    NextStep,
+    /// The tour's step before.
+    StepBack,
+    /// End the tour.
+    EndTour,
     /// Close the window.
     Quit,
     /// Put versions, counters, setup and log on the clipboard, and show them.

@@ -22,8 +22,9 @@ pub struct Scene<'a> {
     pub grab: Option<Grab>,
     /// How many times larger than to the table's full scale the stage shows displacements: 1, 2, 5, 10 and so on.
     pub magnification: f64,
-    /// The name and the effect of the scene that visitors see, in a window for them.
-    pub visitors: Option<(&'static str, &'static str)>,
+    /// A name and a sentence in place of the menus, in a window that shows the stage alone: of the scene that visitors see, or
+    /// of the plate in a frame of another page.
+    pub stage_alone: Option<(&'a str, &'a str)>,
     /// The present sound.
     pub sound: SoundScene,
     /// The settings that are kept between runs.

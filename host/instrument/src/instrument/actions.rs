@@ -4,6 +4,7 @@ use super::shown::Awaited;
 use super::{CalibrateIntent, Instrument, MeasureIntent};
 use crate::hold::HoldEnd;
 use crate::recording::Recording;
+use slipline_link::protocol::event::State;
 use slipline_link::{Port, Request, Severity};
 use slipline_model::field::touch::Touch;
 use slipline_model::response::is_measurement;
@@ -38,6 +39,15 @@ impl Instrument {
         self.lab.take_owed_drive();
         self.drive.note(Severity::Info, "Drive.".to_owned());
         self.drive.start(self.desk.setup(), &self.attention, &mut self.out);
+    }
+
+    /// Drives the simulated plate if it rests. Another device is driven by its user alone.
+    pub fn start_simulated(&mut self) {
+        let snapshot = self.drive.snapshot();
+        let is_driving = matches!(snapshot.drive.status.map(|status| status.state), Some(State::Driving));
+        if snapshot.is_simulated() && !is_driving && !self.lab.is_measuring() {
+            self.start();
+        }
     }
 
     /// When the press that is handled now was made, in seconds of the user's time.

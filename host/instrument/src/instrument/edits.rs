@@ -7,7 +7,6 @@ use crate::recording::Move;
 use slipline_model::setup::BoundaryMode;
 use slipline_model::setup::edit::{Edit, EditError};
 use slipline_model::setup::undo::Gesture;
-use slipline_plate::Plate;
 use slipline_plate::quantity::{show_length, show_place};
 use std::sync::Arc;
 
@@ -183,15 +182,6 @@ impl Instrument {
 
 /// Calibrated plates.
 impl Instrument {
-    /// Uses a plate that was calibrated on the present one; the lines keep their felt edges.
-    pub(super) fn use_calibrated(&mut self, plate: Arc<Plate>) {
-        let edges_m = self.screen.edges_m(&self.desk, &self.drive);
-        let full_peak_m = self.drive.full_peak_m();
-        self.edit(&Edit::Plate(Arc::clone(&plate)));
-        self.screen.keep_edges(edges_m.clone());
-        self.held = Some(HeldLines { plate, edges_m, full_peak_m });
-    }
-
     /// Moves the tones to where the lines keep their places, now that the calibrated plate's table is finished. It says how far a
     /// level moves this plate, if the file said something else, and which line could not stay.
     pub(super) fn hold_lines(&mut self) {

@@ -10,6 +10,6 @@ pub(super) struct HeldLines {
     pub(super) plate: Arc<Plate>,
     /// The lines' felt edges, by slot and in metres.
     pub(super) edges_m: Vec<(u8, f64)>,
-    /// The peak at level 1 on the plate before, in metres.
+    /// The peak at level 1 that the plate before states, in metres; `None` where nothing is to be said of another one.
     pub(super) full_peak_m: Option<f64>,
 }

@@ -19,6 +19,7 @@
 //! user's actions on (to a room, where one is enough), carries out the [`Output`]s and draws what is [`Shown`].
 
 mod actions;
+mod before_after;
 mod desk;
 mod drive;
 mod edits;
@@ -29,8 +30,10 @@ mod outbox;
 mod screen;
 mod shell;
 mod shown;
+mod tour;
 mod work;
 
+pub use before_after::CalibrationSide;
 pub use desk::{Desk, DragRecorder};
 pub use drive::{DeviceIntent, Drive, SAFE_MODE, fault_sentence};
 pub use lab::{CalibrateIntent, MeasureDraft, MeasureIntent};
@@ -41,16 +44,19 @@ pub use shown::{
     Asked, AskedContent, AskedTable, Awaited, Background, CalibrateScene, DesignState, HoldScene, LiveScene,
     MeasureScene, Progress, Shown, TextureScene, Waiting,
 };
+pub use tour::{TourScene, TourStep};
 pub use work::Jobs;
 
 use crate::bench::Bench;
 use crate::changes::Changes;
+use before_after::BeforeAfter;
 use drive::News;
 use held_lines::HeldLines;
 use lab::{Lab, Reach};
 use screen::Sight;
 use slipline_model::field::line::Line;
 use slipline_model::setup::Setup;
+use tour::Tour;
 
 /// A plate and a device in use.
 pub struct Instrument {
@@ -66,6 +72,9 @@ pub struct Instrument {
     attention: Attention,
     /// Lines that keep their places on a calibrated plate, until its table is finished.
     held: Option<HeldLines>,
+    /// The plates of the latest calibration that was used.
+    before_after: Option<BeforeAfter>,
+    tour: Option<Tour>,
 }
 
 impl Instrument {
@@ -80,6 +89,8 @@ impl Instrument {
             attention: Attention::default(),
             out: Outbox::default(),
             held: None,
+            before_after: None,
+            tour: None,
         }
     }
 
@@ -132,6 +143,7 @@ impl Instrument {
         }
         screen.turn(sight, out);
         self.send_drawing();
+        self.advance_tour();
         self.drive.pause_unwatched(&mut self.out);
         // Every message is in the log, too.
         for (severity, text) in self.out.take_unlogged() {
@@ -141,7 +153,8 @@ impl Instrument {
 
     /// Everything that a shell shows.
     pub fn shown(&self) -> Shown<'_> {
-        self.screen.shown(self.sight(), &self.out)
+        let shown = self.screen.shown(self.sight(), &self.out);
+        Shown { calibration_side: self.calibration_side(), tour: self.tour_scene(), ..shown }
     }
 
     /// The line of the tone in a slot.

@@ -60,6 +60,10 @@ pub enum Page {
     Measurements,
     /// The texture page.
     Texture,
+    /// The page of the line.
+    Boundary,
+    /// The page of the plate.
+    Plate,
     /// The question whether a real amplifier may be unmuted.
     Arm,
 }

@@ -1,7 +1,7 @@
 //! State of an instrument for display: the setup, the plate, the device, and the progress of work.
 
 use super::outbox::Notice;
-use super::{DragRecorder, MeasureDraft};
+use super::{CalibrationSide, DragRecorder, MeasureDraft, TourScene};
 use crate::calibration::CalibrationWizard;
 use crate::concern::{self, Concern, Concerns};
 use crate::hold::{Holding, Standing};
@@ -85,6 +85,10 @@ pub struct Shown<'a> {
     pub hold: HoldScene<'a>,
     /// The calibration under way.
     pub calibration: Option<CalibrateScene<'a>>,
+    /// Which plate of the latest calibration is on the screen; `None` for any other.
+    pub calibration_side: Option<CalibrationSide>,
+    /// The tour, while it is under way.
+    pub tour: Option<TourScene>,
     /// The plate and boundary for a computation in two dimensions.
     pub plane_job: Option<PlaneJob>,
     /// The sheet, if the wave is drawn from it.

@@ -84,7 +84,7 @@ impl NotFelt {
     }
 }
 
-/// Where the sensation ends by person, in words: `237 to 257 mm by person`. `None` if it ends for everybody at the plate's
+/// Where the sensation ends for different persons, in words: `237 to 257 mm depending on the person`. `None` if it ends for everybody at the plate's
 /// end or nowhere.
 #[must_use]
 pub fn by_person_words(EdgesByPerson { near, far }: EdgesByPerson) -> Option<String> {

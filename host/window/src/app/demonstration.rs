@@ -6,7 +6,6 @@
 
 use super::{App, Lead};
 use eframe::egui;
-use slipline_link::protocol::event::State;
 use slipline_model::field::touch::Touch;
 use slipline_model::setup::Setup;
 
@@ -66,9 +65,7 @@ impl App {
             let text = "The demonstration moves the simulated plate alone: choose Simulated plate in the list of devices.";
             return self.instrument.out.post(text.to_owned());
         }
-        if !matches!(snapshot.drive.status.map(|status| status.state), Some(State::Driving)) {
-            self.instrument.start();
-        }
+        self.instrument.start_simulated();
         self.demonstrate();
     }
 

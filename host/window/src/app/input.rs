@@ -61,6 +61,9 @@ impl App {
                 if input.consume_key(Modifiers::NONE, Key::P) {
                     self.settings.animate = !self.settings.animate;
                 }
+                if input.consume_key(Modifiers::NONE, Key::B) {
+                    asked.push(Intent::BeforeOrAfter);
+                }
             }
             if input.consume_key(Modifiers::COMMAND, Key::Enter) {
                 asked.push(Intent::Start);
@@ -115,8 +118,8 @@ impl App {
             }
             presses
         });
-        if self.kiosk().is_some() {
-            // Visitors have STOP, the line and the finger.
+        if self.is_stage_alone() {
+            // Visitors and readers have STOP, the line and the finger.
             asked.retain(|intent| {
                 matches!(intent, Intent::StopKey | Intent::MoveLine { .. } | Intent::MoveFinger(_))
             });
@@ -155,7 +158,7 @@ impl App {
     }
 
     pub(super) fn dropped_files(&mut self, ctx: &egui::Context) {
-        if self.kiosk().is_some() {
+        if self.is_stage_alone() {
             return;
         }
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());

@@ -1,5 +1,5 @@
-//! The window for visitors: scenes in turn, each with the demonstration until somebody comes, neither menus nor pages, STOP as
-//! everywhere.
+//! The stage alone: neither menus nor pages, STOP and state as everywhere. In the window for visitors scenes come in turn, each
+//! with the demonstration until somebody comes; in a frame of another page, such as a paper's, the plate stays.
 //!
 //! A real plate is one plate, so with a real device the setup stays.
 
@@ -35,23 +35,45 @@ impl App {
     pub(super) fn kiosk(&self) -> Option<Kiosk> {
         match self.lead {
             Lead::Scenes(kiosk) => Some(kiosk),
-            Lead::User | Lead::Demonstration(_) => None,
+            Lead::User | Lead::Demonstration(_) | Lead::Frame => None,
         }
     }
 
-    /// The name and the effect of the scene that visitors see.
-    pub(super) fn visitors_scene(&self) -> Option<(&'static str, &'static str)> {
-        let scene = SCENES.get(self.kiosk()?.scene)?;
-        Some((scene.name, scene.description))
+    /// Shows plate and line alone, in a frame of another page.
+    pub fn open_in_frame(&mut self) {
+        self.lead = Lead::Frame;
     }
 
-    /// Keeps to the stage, and begins the next scene when nobody has touched anything for a while.
+    /// Whether there are neither menus nor pages.
+    pub(super) const fn is_stage_alone(&self) -> bool {
+        matches!(self.lead, Lead::Scenes(_) | Lead::Frame)
+    }
+
+    /// What stands in place of the menus, where there are none: name and effect of the scene, or name and description of the
+    /// plate.
+    pub(super) fn stage_alone(&self) -> Option<(&str, &str)> {
+        if !self.is_stage_alone() {
+            return None;
+        }
+        let plate = &self.setup().plate;
+        let scene = self.kiosk().and_then(|kiosk| SCENES.get(kiosk.scene));
+        let of_plate = (plate.name(), plate.spec().description.as_str());
+        Some(scene.map_or(of_plate, |scene| (scene.name, scene.description)))
+    }
+
+    /// Keeps to the stage, where it is alone.
+    pub(super) fn keep_to_stage(&mut self) {
+        if self.is_stage_alone() {
+            self.dialog = None;
+            (self.settings.show_panel, self.settings.show_plots) = (false, false);
+            // The page that needs no room beside the stage.
+            self.view.tab = Tab::Boundary;
+        }
+    }
+
+    /// Begins the next scene for visitors when nobody has touched anything for a while.
     pub(super) fn turn_scenes(&mut self, ctx: &egui::Context) {
         let Some(kiosk) = self.kiosk() else { return };
-        self.dialog = None;
-        (self.settings.show_panel, self.settings.show_plots) = (false, false);
-        // The page that needs no room beside the stage.
-        self.view.tab = Tab::Boundary;
         let (now_s, has_input) = ctx.input(|input| (input.time, has_input(input)));
         let since_s = kiosk.since_s.filter(|_| !has_input).unwrap_or(now_s);
         let shows = self.attract(ctx, kiosk.shows, has_input);

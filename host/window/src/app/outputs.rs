@@ -5,7 +5,7 @@ use crate::files::{FileJob, Save};
 use crate::intent::{Confirm, Dialog};
 use crate::settings::Part;
 use crate::sound::SoundChoice;
-use crate::view::Tab;
+use crate::view::{PlatePage, Tab};
 use eframe::egui;
 use slipline_instrument::{Attention, Output, Page};
 use slipline_link::Port;
@@ -49,11 +49,10 @@ impl App {
         for output in self.instrument.out.take_outputs() {
             match output {
                 Output::Open(Page::Calibration) => self.dialog = Some(Dialog::Calibrate),
-                Output::Open(Page::Measurements) => self.view.open_measure(),
-                Output::Open(Page::Texture) => {
-                    self.view.tab = Tab::Texture;
-                    (self.settings.show_panel, self.settings.in_front) = (true, Part::Panel);
-                }
+                Output::Open(Page::Measurements) => self.open_panel(Tab::Plate, PlatePage::Measure),
+                Output::Open(Page::Texture) => self.open_panel(Tab::Texture, self.view.plate_page),
+                Output::Open(Page::Boundary) => self.open_panel(Tab::Boundary, self.view.plate_page),
+                Output::Open(Page::Plate) => self.open_panel(Tab::Plate, PlatePage::Plate),
                 Output::Open(Page::Arm) => self.dialog = Some(Dialog::Confirm(Confirm::Arm)),
                 Output::CloseCalibration => self.dialog = None,
                 Output::ChooseMeasurement => self.services.files.begin(FileJob::ChooseMeasurement),
@@ -63,6 +62,12 @@ impl App {
         if let Some(after) = self.instrument.out.take_wake() {
             ctx.request_repaint_after(after);
         }
+    }
+
+    /// Opens a page of the panel, which may be closed or in a small window behind the plots.
+    const fn open_panel(&mut self, tab: Tab, page: PlatePage) {
+        (self.view.tab, self.view.plate_page) = (tab, page);
+        (self.settings.show_panel, self.settings.in_front) = (true, Part::Panel);
     }
 
     /// Has a file saved.

@@ -81,6 +81,7 @@ impl App {
                         self.settings.animate = false;
                     }
                 }
+                Intent::BeforeOrAfter => self.instrument.show_before_or_after(),
                 Intent::Undo => self.instrument.undo(),
                 Intent::Redo => self.instrument.redo(),
                 Intent::New => {
@@ -169,6 +170,10 @@ impl App {
                 Intent::Copy(text) => ctx.copy_text(text),
                 Intent::ShowDevice => self.view.tab = Tab::Device,
                 Intent::Demonstrate => self.replay_demonstration(),
+                Intent::BeginTour => self.instrument.begin_tour(),
+                Intent::NextStep => self.instrument.next_step(),
+                Intent::StepBack => self.instrument.step_back(),
+                Intent::EndTour => self.instrument.end_tour(),
                 Intent::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
                 Intent::CopyDiagnostics => {
                     ctx.copy_text(self.diagnostics());

@@ -5,7 +5,7 @@
 //! bars/top_bar ........................... STOP
 //! stage/: plate, envelope, felt strip (one x axis)     panels/side_panel: boundary, tones, texture, plate, device, play
 //!    or plots/response: level, phase, residual, Nyquist
-//! bars/bottom_row: plots/ (waveform or finger trace, spectrum), meters, log
+//! bars/bottom_row: plots/ (waveform or finger trace, spectrum), meters, log; or bars/tour
 //! bars/status_line: messages
 //! ```
 //! `fields` are the inputs that panels and dialogs share, `dialogs` what stands over the window. `ViewState` holds the
@@ -25,11 +25,11 @@ pub mod theme;
 
 pub(crate) use kept::Brush;
 pub(crate) use stage::arrow_step_m;
-pub(crate) use state::{Tab, ViewState};
+pub(crate) use state::{PlatePage, Tab, ViewState};
 
 use crate::intent::Intents;
 use crate::scene::Scene;
-use bars::{bottom_row, status_line, top_bar};
+use bars::{bottom_row, status_line, top_bar, tour};
 use eframe::egui;
 use panels::side_panel;
 use plots::response;
@@ -54,7 +54,14 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
             });
         },
     );
-    if room.plots {
+    if let Some(shown) = scene.tour {
+        // In the place of the plots: what it speaks of is the stage and the panel.
+        egui::Panel::bottom("tour")
+            .frame(frame)
+            .exact_size(tour::HEIGHT)
+            .resizable(false)
+            .show(ui, |ui| tour::show(ui, shown, &mut intents));
+    } else if room.plots {
         egui::Panel::bottom("bottom")
             .frame(frame)
             .exact_size(bottom_row::height(ui))

@@ -88,12 +88,6 @@ impl ViewState {
         self.scrolls_to_light = true;
     }
 
-    /// Opens the page of measurements.
-    pub(crate) fn open_measure(&mut self) {
-        self.tab = Tab::Plate;
-        self.plate_page = PlatePage::Measure;
-    }
-
     /// Whether the page of measurements is open: its plots are in the place of the stage.
     pub(crate) fn is_measuring(&self) -> bool {
         self.tab == Tab::Plate && self.plate_page == PlatePage::Measure

@@ -1,4 +1,4 @@
-//! The window for visitors: scenes in turn, no menus, STOP as everywhere.
+//! The stage alone: no menus, STOP as everywhere; scenes in turn for visitors, one plate in a frame of another page.
 
 use crate::test_app::TestApp;
 use crate::{boundary_mm, line_rect};
@@ -95,4 +95,40 @@ fn the_demonstration_attracts_visitors_until_one_comes_and_again_with_the_next_s
     pass(&mut app, 50.0);
     assert_eq!(plate_name(&app), SCENES[1].setup().unwrap().plate.name());
     assert!(is_shown(&app));
+}
+
+#[test]
+fn a_frame_of_another_page_shows_plate_and_line_alone_with_state_and_stop() {
+    // The last is 400 x 300 pixels: a low window is shown smaller.
+    for size in [[800.0, 500.0], [711.0, 400.0], [571.0, 428.0]] {
+        let builder = HarnessBuilder::default().with_size(size).with_theme(Theme::Light);
+        let mut app = TestApp::first_start(ThemeChoice::Light, builder);
+        app.window.state_mut().open_in_frame();
+        app.wait(500);
+        for name in ["File", "Edit", "View", "Help", "Boundary position", "Log", "Play"] {
+            assert!(!app.has(name), "{size:?}: {name}");
+        }
+        for (modifiers, key) in [(Modifiers::NONE, Key::F1), (Modifiers::COMMAND, Key::Num2)] {
+            app.keys(modifiers, key, 100);
+            assert!(!app.has("Shortcuts") && !app.has("Add tone"));
+        }
+        let plate = plate_name(&app);
+        assert!(app.is_driving() && app.has("State: driving"), "{size:?}");
+        let whole = app.window.ctx.content_rect();
+        for name in ["STOP", "State: driving"] {
+            let rect = app.window.get_by_label(name).rect();
+            assert!(whole.contains_rect(rect), "{size:?}, {name}: {rect}");
+        }
+        let (before, line) = (boundary_mm(&app), line_rect(&app));
+        assert!(whole.contains_rect(line) && line.height() >= 100.0, "{size:?}: {line}");
+        app.drag(line.center(), line.center() - vec2(30.0, 0.0));
+        assert!(boundary_mm(&app) < before, "{size:?}: the line is dragged");
+        // No scene comes by itself.
+        pass(&mut app, 100.0);
+        assert_eq!(plate_name(&app), plate);
+        app.click("STOP", 600);
+        assert!(!app.is_driving());
+        app.click("Drive", 600);
+        assert!(app.is_driving(), "{size:?}");
+    }
 }

@@ -70,6 +70,7 @@ mod tab_order;
 mod test_app;
 mod textures;
 mod tooltips;
+mod tour;
 mod track;
 mod unknown_values;
 mod upkeep;

@@ -34,6 +34,10 @@ extern "C" {
     #[wasm_bindgen(method)]
     pub(crate) fn address(this: &Host) -> String;
 
+    /// Whether the page is a frame of another page: `?embed`.
+    #[wasm_bindgen(method, js_name = isFrame)]
+    pub(crate) fn is_frame(this: &Host) -> bool;
+
     /// Whether the user has asked the system for less motion.
     #[wasm_bindgen(method, js_name = isStill)]
     pub(crate) fn is_still(this: &Host) -> bool;

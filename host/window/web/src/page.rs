@@ -75,6 +75,8 @@ struct Window {
     reports: Rc<RefCell<Reports>>,
     /// The file of the setup that somebody's link has opened: as long as it is as it was, the user's own setup stays stored.
     linked: Option<String>,
+    /// Whether the page is a frame of another page, of which nothing is kept.
+    is_frame: bool,
     /// Pictures so far.
     frames: u64,
 }
@@ -161,6 +163,9 @@ impl eframe::App for Window {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        if self.is_frame {
+            return;
+        }
         storage.set_string(KEPT_SETTINGS, self.app.settings().write());
         let setup = setup_file::write(&self.app.kept_setup());
         if self.linked.as_ref() != Some(&setup) {
@@ -333,10 +338,11 @@ pub async fn open_page(
         creation.egui_ctx.set_fonts(fonts());
         let ask_for_port = board_question(&host, &creation.egui_ctx, &reported);
         let parts = parts(linked.clone(), jobs, bench, files, (host.address(), ask_for_port));
-        let app = app(creation, parts, host.is_still())?;
-        let (reports, frames) = (reported, 0);
-        Ok(Box::new(Window { app, link: linked, dropped, workers, host, reports, linked: None, frames })
-            as Box<dyn eframe::App>)
+        let is_frame = host.is_frame();
+        let app = app(creation, parts, host.is_still(), is_frame)?;
+        let (link, reports) = (linked, reported);
+        let window = Window { app, link, dropped, workers, host, reports, linked: None, is_frame, frames: 0 };
+        Ok(Box::new(window) as Box<dyn eframe::App>)
     };
     runner.start(canvas, options, Box::new(create)).await?;
     let (ctx, workers) = context.take().ok_or("the window was not made")?;
@@ -388,13 +394,16 @@ fn parts(
     Parts { link: Box::new(link), jobs, bench, services }
 }
 
-/// The app with what is stored of an earlier visit; a first one begins without motion if the user wants little of it.
+/// The app with what is stored of an earlier visit; a first one begins without motion if the user wants little of it. A frame
+/// takes nothing from there: it shows what the page around it asks for.
 fn app(
     creation: &eframe::CreationContext<'_>,
     parts: Parts,
     is_still: bool,
+    is_frame: bool,
 ) -> Result<App, Box<dyn std::error::Error + Send + Sync>> {
-    let kept = |key: &str| creation.storage.and_then(|storage| storage.get_string(key));
+    let storage = creation.storage.filter(|_| !is_frame);
+    let kept = |key: &str| storage.and_then(|storage| storage.get_string(key));
     let settings = kept(KEPT_SETTINGS);
     let is_first_visit = settings.is_none();
     let first = Settings { animate: !is_still, ..Settings::default() };
@@ -404,7 +413,9 @@ fn app(
         _ => first_setup().ok_or("the first preset is damaged")?,
     };
     let mut app = App::new(&creation.egui_ctx, parts, setup, settings);
-    if is_first_visit && !is_still {
+    if is_frame {
+        app.open_in_frame();
+    } else if is_first_visit && !is_still {
         app.demonstrate();
     }
     Ok(app)

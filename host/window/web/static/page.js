@@ -16,6 +16,9 @@ import { showOffer, watchUpdates } from "./updates.js";
 // How often what stands outside the canvas is compared with what it shows: browsers refuse more than a few addresses a second.
 const LOOK_MS = 1000;
 
+// Whether the page is a frame of another page, such as a paper's: plate and line alone, and nothing of the visit is kept.
+const isFrame = new URLSearchParams(location.search).has("embed");
+
 const canvas = document.getElementById("window");
 const line = document.getElementById("line");
 const loading = document.getElementById("loading");
@@ -237,6 +240,7 @@ const host = {
   address() {
     return location.href.split("#")[0];
   },
+  isFrame: () => isFrame,
   isStill() {
     return matchMedia("(prefers-reduced-motion: reduce)").matches;
   },
@@ -371,12 +375,19 @@ async function open() {
     page.deviceChanged(data.update, data.isLoud);
   }
   loading.style.display = "none";
-  canvas.focus();
+  if (!isFrame) {
+    canvas.focus();
+  }
   window.addEventListener("hashchange", () => hasFailed || page.openFragment(location.hash));
   nameField();
   setInterval(() => hasFailed || look(), LOOK_MS);
   // After the first picture, for which there is enough to load.
-  watchUpdates({ isArmed: () => deviceState?.armed === true, setup: () => (hasFailed ? null : page.fragment()) });
+  if (!isFrame) {
+    watchUpdates({
+      isArmed: () => deviceState?.armed === true,
+      setup: () => (hasFailed ? null : page.fragment()),
+    });
+  }
 }
 
 open().catch((error) => {

@@ -159,6 +159,8 @@ impl Screen {
             measure: lab.measure_scene(snapshot),
             hold: lab.hold_scene(snapshot),
             calibration: lab.calibration_scene(),
+            calibration_side: None,
+            tour: None,
             plane_job: self.plane_job(desk),
             sheet: self.sheet(),
             waiting: self.waiting(drive, desk.recorder().played_s().is_some()),

@@ -4,6 +4,7 @@ use crate::intent::{Dialog, Export, Intent, Intents};
 use crate::scene::Scene;
 use crate::settings::ThemeChoice;
 use eframe::egui;
+use slipline_instrument::CalibrationSide;
 use slipline_model::export::figures::Format;
 use slipline_model::field::sheet::SourceChoice;
 
@@ -122,6 +123,18 @@ fn edit_menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     entry(name("Redo", scene.undo.1), "Ctrl+Y", "Repeat the change that was undone")
         .unless(scene.undo.1.is_none(), "Nothing was taken back")
         .show(ui, intents, Intent::Redo);
+    let (name, help) = match scene.calibration_side {
+        Some(CalibrationSide::Before) => ("Show after the calibration", "The calibrated plate again"),
+        Some(CalibrationSide::After) | None => {
+            ("Show before the calibration", "The plate as its file had it before it was calibrated")
+        }
+    };
+    let refusal = "Calibrate a plate and use it first, on the page Measure";
+    entry(name, "B", help).unless(scene.calibration_side.is_none(), refusal).show(
+        ui,
+        intents,
+        Intent::BeforeOrAfter,
+    );
     let name = format!("Switch to {}", scene.compare.side().other().letter());
     let help = "Two setups to compare: the plate follows at once, if it is driven";
     entry(name, "Ctrl+B", help).show(ui, intents, Intent::Switch);
@@ -172,6 +185,8 @@ fn view_menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
 }
 
 fn help_menu(ui: &mut egui::Ui, intents: &mut Intents) {
+    let help = "A minute over the real controls: line, finger, texture, measure, calibrate, your own plate";
+    entry("Take the tour", "", help).show(ui, intents, Intent::BeginTour);
     for (name, keys, help, dialog) in [
         ("Shortcuts", "F1", "What every key and gesture does", Dialog::Shortcuts),
         (

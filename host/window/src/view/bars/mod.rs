@@ -7,3 +7,4 @@ pub(crate) mod meters;
 pub(crate) mod offers;
 pub(crate) mod status_line;
 pub(crate) mod top_bar;
+pub(crate) mod tour;

@@ -91,8 +91,8 @@ const LONGEST_PROGRESS: &str = "measuring: 88 %, 88 s left";
 const LONGEST_CAUSE: usize = 32;
 /// Space in and between the buttons of such a narrow bar, in points.
 const NARROW: f32 = 4.0;
-/// Room that state and STOP need beside what visitors see, in points.
-const VISITORS_NEED: f32 = 420.0;
+/// Room that state and STOP need beside what stands in place of the menus, in points.
+const TITLE_LEAVES: f32 = 420.0;
 /// Widths of the work in progress with its button, as usual and in a narrow bar, and of the round trip, in points.
 const WIDE_BADGE: f32 = 206.0;
 const SMALL_BADGE: f32 = 58.0;
@@ -138,9 +138,9 @@ fn menus(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         ui.label(RichText::new("Slipline").strong().size(18.0));
         ui.add_space(4.0);
     }
-    match scene.visitors {
+    match scene.stage_alone {
         None => menu::show(ui, scene, intents),
-        Some((name, effect)) => visitors(ui, name, effect),
+        Some((name, effect)) => title(ui, name, effect),
     }
 }
 
@@ -157,7 +157,7 @@ fn in_use(ui: &mut egui::Ui, scene: &Scene<'_>, stop: Option<f32>, intents: &mut
         usual_state(ui, scene) + after_state + if row < ROOM_FOR_NAME { SMALL_BADGE } else { ROUND_TRIP };
     let room = ui.available_width() - after_state;
     let device_width = (ui.available_width() - usual).clamp(DEVICE.0, DEVICE.1);
-    let device = match scene.visitors {
+    let device = match scene.stage_alone {
         None => port_menu(ui, scene, device_width, intents).rect.width(),
         Some(_) => 0.0,
     };
@@ -189,10 +189,10 @@ fn in_use(ui: &mut egui::Ui, scene: &Scene<'_>, stop: Option<f32>, intents: &mut
     });
 }
 
-/// What visitors see, in place of the menus.
-fn visitors(ui: &mut egui::Ui, name: &str, effect: &str) {
+/// What stands in place of the menus, where the stage is alone.
+fn title(ui: &mut egui::Ui, name: &str, effect: &str) {
     ui.label(RichText::new(name).strong().size(16.0));
-    let room = (ui.available_width() - VISITORS_NEED).max(0.0);
+    let room = (ui.available_width() - TITLE_LEAVES).max(0.0);
     ui.scope(|ui| {
         ui.set_max_width(room);
         ui.add(egui::Label::new(RichText::new(effect).color(theme::palette(ui).weak)).truncate());

@@ -17,7 +17,7 @@ use eframe::egui::{self, RichText};
 use slipline_model::export::report;
 
 /// Every key and what it does.
-pub(crate) const SHORTCUTS: [(&str, &str); 19] = [
+pub(crate) const SHORTCUTS: [(&str, &str); 20] = [
     ("Esc", "STOP in every state, even while typing or in a page: silence; a real device is disarmed"),
     ("Space", "The same, but not while typing"),
     (
@@ -33,6 +33,7 @@ pub(crate) const SHORTCUTS: [(&str, &str); 19] = [
     ("Ctrl+O, Ctrl+S", "Open, save the setup"),
     ("Ctrl+1 … Ctrl+6", "Boundary, tones, texture, plate, device, play"),
     ("Ctrl+B", "Switch between the setups A and B"),
+    ("B", "After a calibration: the plate before it, and the calibrated one again"),
     ("Ctrl+0", "The whole window for the stage, or panel and plots again"),
     ("P", "Pause the wave and the plots"),
     ("Click, double-click", "On plate and envelope: move the line here; add a tone here"),

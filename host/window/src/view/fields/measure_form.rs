@@ -2,6 +2,7 @@
 
 use crate::intent::{Intent, Intents, MeasureDraft, MeasureIntent};
 use crate::scene::Scene;
+use crate::view::bars::tour;
 use crate::view::fields::{
     drive_fields,
     field::refusal,
@@ -11,6 +12,7 @@ use crate::view::fields::{
 use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui;
+use slipline_instrument::TourStep;
 use slipline_instrument::measure::LEVEL;
 use slipline_plate::quantity;
 use slipline_plate::quantity::number_format::with_decimals;
@@ -46,6 +48,7 @@ pub(crate) fn show(
         let is_due = !is_answered && !is_measuring && scene.measure.asked.is_none();
         let button = theme::primary(ui, "Measure now", is_due);
         let button = ui.add_enabled(!is_measuring, button).on_hover_text(help);
+        tour::mark(ui, scene, TourStep::Measure, button.rect);
         if button.on_disabled_hover_text("It is being measured").clicked() {
             ask(MeasureIntent::Begin(answers));
         }

@@ -2,12 +2,14 @@
 
 use crate::intent::{Asks as _, CalibrateIntent, Dialog, Intent, Intents, MeasureIntent};
 use crate::scene::Scene;
+use crate::view::bars::tour;
 use crate::view::fields::{field::row, foreign_form, measure_form};
 use crate::view::panels::validity;
 use crate::view::plots::response::inks::ink;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, Rect, RichText, Sense, pos2, vec2};
+use slipline_instrument::TourStep;
 use slipline_model::response::{Entry, Headroom, differs};
 use slipline_plate::quantity::{decibels, show_frequency, show_place};
 
@@ -31,9 +33,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         ui.button("Open measurement…")
             .on_hover_text(help)
             .asks(intents, Intent::Measure(MeasureIntent::OpenFile));
-        ui.button("Calibrate…")
-            .on_hover_text(CALIBRATE_HELP)
-            .asks(intents, Intent::Calibrate(CalibrateIntent::Open));
+        let calibrate = ui.button("Calibrate…");
+        tour::mark(ui, scene, TourStep::Calibrate, calibrate.rect);
+        calibrate.on_hover_text(CALIBRATE_HELP).asks(intents, Intent::Calibrate(CalibrateIntent::Open));
     });
     if scene.dialog != Some(&Dialog::Calibrate) {
         foreign_form::show(ui, scene, &mut view.fields, intents);

@@ -6,13 +6,14 @@ mod numbers;
 
 use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
+use crate::view::bars::tour;
 use crate::view::fields::field::row;
 use crate::view::panels::{designer, measure_panel, plane_check, validity};
 use crate::view::state::{PlatePage, ViewState};
 use crate::view::theme;
 use eframe::egui::{self, RichText};
+use slipline_instrument::TourStep;
 use slipline_model::setup::edit::Edit;
-use slipline_plate::Plate;
 use slipline_plate::quantity::{show_frequency, show_length, show_place};
 use std::sync::Arc;
 
@@ -56,7 +57,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
 fn this_plate(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let palette = theme::palette(ui);
     let plate = &scene.setup.plate;
-    presets(ui, plate, intents);
+    presets(ui, scene, intents);
     ui.label(RichText::new(&plate.spec().description).small().color(palette.weak));
     ui.add_space(4.0);
     ui.separator();
@@ -71,7 +72,8 @@ fn this_plate(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intent
     table(ui, scene, intents);
 }
 
-fn presets(ui: &mut egui::Ui, plate: &Arc<Plate>, intents: &mut Intents) {
+fn presets(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let plate = &scene.setup.plate;
     let name = plate.name();
     let response = egui::ComboBox::from_id_salt("preset")
         .selected_text(name)
@@ -90,6 +92,7 @@ fn presets(ui: &mut egui::Ui, plate: &Arc<Plate>, intents: &mut Intents) {
             let file = ui.button("From a file…");
             file.on_hover_text("A plate file, or a setup with its plate").asks(intents, Intent::OpenDialog);
         });
+    tour::mark(ui, scene, TourStep::OwnPlate, response.response.rect);
     let label = format!("Plate: {name}");
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &label));
     response

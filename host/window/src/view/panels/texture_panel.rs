@@ -2,6 +2,7 @@
 
 use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
+use crate::view::bars::tour;
 use crate::view::fields::field::{InputField, refusal, row};
 use crate::view::fields::lines::lines;
 use crate::view::fields::refusal::Refusal;
@@ -10,6 +11,7 @@ use crate::view::panels::texture_plot;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, RichText, vec2};
+use slipline_instrument::TourStep;
 use slipline_model::field::felt::by_person_words;
 use slipline_model::jobs::texture::Textured;
 use slipline_model::texture::{BREAKPOINTS_DRAWN_MAX, Fitted, Made, WishDraft, WishKind};
@@ -145,6 +147,7 @@ fn actions(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let is_ready = texture.latest.filter(is_finished).is_some();
     ui.horizontal(|ui| {
         let play = ui.add_enabled(is_ready, theme::primary(ui, "Play this", is_ready));
+        tour::mark(ui, scene, TourStep::Texture, play.rect);
         play.on_hover_text("Put these tones in the setup; Undo takes them back")
             .asks(intents, Intent::PlayTexture);
         let save = ui.add_enabled(is_ready, egui::Button::new("Save setup…"));

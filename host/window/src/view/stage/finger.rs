@@ -3,6 +3,7 @@
 use crate::caption::Panel;
 use crate::intent::{Asks as _, Dragged, Grab, Intent, Intents};
 use crate::scene::Scene;
+use crate::view::bars::tour;
 use crate::view::fields::lines::lines;
 use crate::view::stage::fingertip::{self, Look};
 use crate::view::stage::layout::Layout;
@@ -10,6 +11,7 @@ use crate::view::stage::{felt_strip, handle, track};
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, Color32, CursorIcon, Rect, Sense, pos2, vec2};
+use slipline_instrument::TourStep;
 use slipline_model::field::felt::Zone;
 use slipline_model::field::touch::{Touch, refusal};
 use slipline_plate::RespondError;
@@ -83,6 +85,7 @@ pub(super) fn handle(
         .interact(Rect::from_center_size(centre, vec2(size, size)), id, Sense::click_and_drag())
         .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
     response.widget_info(|| egui::WidgetInfo::slider(true, finger.place_m * 1e3, "Finger"));
+    tour::mark(ui, scene, TourStep::Finger, response.rect);
     let response = response.on_hover_text(HANDLE_HELP);
     let is_held = scene.grab.is_some_and(|grab| grab.held == Dragged::Finger);
     if response.is_pointer_button_down_on()

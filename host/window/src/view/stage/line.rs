@@ -5,11 +5,13 @@ use super::handle;
 use super::layout::Layout;
 use crate::intent::{Dragged, Grab, Intent, Intents};
 use crate::scene::Scene;
+use crate::view::bars::tour;
 use crate::view::state::ViewState;
 use crate::view::theme::{self, HANDLE};
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, FontId, Pos2, Rangef, Rect, Sense, Stroke, pos2, vec2,
 };
+use slipline_instrument::TourStep;
 
 /// The accessible name of a tone's handle.
 pub(crate) fn handle_name(scene: &Scene<'_>, slot: u8) -> String {
@@ -73,6 +75,8 @@ pub(super) fn show(
     let look = Look { is_selected, is_hot: response.hovered() || is_held, has_focus: response.has_focus() };
     paint_line(ui, layout, x, look);
     if is_selected {
+        let knob = Rect::from_center_size(pos2(x, layout.plate.center().y), egui::Vec2::splat(HANDLE + 4.0));
+        tour::mark(ui, scene, TourStep::Line, knob);
         if let Some(forms) = flag_of(scene, line, is_held || response.has_focus()) {
             Flag::of(ui, layout.label.x_range(), x, forms).show(ui, layout.label);
         }

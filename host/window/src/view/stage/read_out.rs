@@ -2,7 +2,7 @@
 
 use crate::axis::Axis;
 use crate::scene::Scene;
-use crate::view::theme;
+use crate::view::theme::{self, HANDLE};
 use eframe::egui::{self, CornerRadius, FontId, Rangef, Rect, Stroke, StrokeKind, Tooltip, pos2, vec2};
 use slipline_model::field::steady_field::interpolate;
 use slipline_plate::quantity::{decibels, show_length, show_place};
@@ -49,12 +49,14 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, views: Rect) {
     painter.vline(pointer.x, views.y_range(), Stroke::new(1.0, palette.weak.gamma_multiply(0.6)));
     let words = painter.layout_no_wrap(words(scene, place_m), FontId::proportional(12.0), palette.text);
     let size = words.size() + 2.0 * INSET;
-    // On the side of the pointer where there is room, and above it so that a finger does not hide it.
-    let left = if pointer.x + BESIDE + size.x <= views.right() {
-        pointer.x + BESIDE
-    } else {
-        (pointer.x - BESIDE - size.x).max(views.left())
-    };
+    // On the side of the pointer where there is room, beside the knob of a line that is under it, and above it so that a finger
+    // does not hide it.
+    let line = scene.line(scene.selected).map(|line| axis.line_from_place(line.place_m));
+    let knob =
+        line.map(|x| Rangef::new(x - 0.5 * HANDLE, x + 0.5 * HANDLE)).filter(|knob| knob.contains(pointer.x));
+    let taken = knob.unwrap_or(Rangef::point(pointer.x)).expand(BESIDE);
+    let left =
+        if taken.max + size.x <= views.right() { taken.max } else { (taken.min - size.x).max(views.left()) };
     let bottom = Rangef::new(views.top() + size.y, views.bottom()).clamp(pointer.y - BESIDE);
     let rect = Rect::from_min_size(pos2(left, bottom - size.y), size);
     let stroke = Stroke::new(1.0, palette.line);

@@ -12,9 +12,10 @@ use std::sync::{Arc, LazyLock};
 
 /// Places of the outline along the plate.
 const PLACES: usize = 24;
-/// Space in a card, size of the drawing, and the most rows of its description, in points and rows.
+/// Space in a card, size of the drawing, height of the numbers, and the most rows of its description, in points and rows.
 const INSET: f32 = 6.0;
 const DRAWING: egui::Vec2 = vec2(72.0, 30.0);
+const NUMBERS: f32 = 15.0;
 const ROWS: usize = 4;
 
 /// A preset, as its card shows it.
@@ -59,7 +60,7 @@ impl Card {
         );
         words.wrap.max_rows = ROWS;
         let words = ui.painter().layout_job(words);
-        let size = vec2(width, DRAWING.y + words.size().y + 3.0 * INSET);
+        let size = vec2(width, DRAWING.y + NUMBERS + words.size().y + 3.0 * INSET);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
         response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_this, self.name));
         let is_hot = response.hovered() || response.has_focus();
@@ -72,12 +73,14 @@ impl Card {
         let text = |at: Pos2, text: &str, size: f32, ink| {
             ui.painter().text(at, egui::Align2::LEFT_TOP, text, FontId::proportional(size), ink);
         };
-        text(pos2(left, inside.top() - 1.0), self.name, 13.5, palette.text);
-        text(pos2(left, inside.top() + 15.0), &self.numbers, 12.0, palette.weak);
+        text(pos2(left, inside.top() + 7.0), self.name, 13.5, palette.text);
+        // Below the drawing, where they have the whole width.
+        text(pos2(inside.left(), inside.top() + DRAWING.y + 1.0), &self.numbers, 12.0, palette.weak);
         let lights = concern::of_preset(self.name);
-        let at = pos2(inside.right() - 6.0, inside.top() + 7.0);
+        let at = pos2(inside.right() - 6.0, inside.top() + 15.0);
         validity::mark(ui.painter(), at, lights, validity::ink(lights, palette));
-        ui.painter().galley(pos2(inside.left(), inside.top() + DRAWING.y + INSET), words, palette.weak);
+        let below = inside.top() + DRAWING.y + NUMBERS + INSET;
+        ui.painter().galley(pos2(inside.left(), below), words, palette.weak);
         // Whole: the card has room for its first rows.
         response.on_hover_text(self.plate.spec().description.as_str())
     }
