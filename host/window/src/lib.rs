@@ -14,7 +14,7 @@
 //!
 //! - `app.rs`: hands events on, carries out intents (`app/perform.rs`); keys (`app/input.rs`), visitors
 //!   (`app/kiosk.rs`), the demonstration (`app/demonstration.rs`), the pace of pictures (`app/pace.rs`), a window that
-//!   hangs (`app/event_loop.rs`)
+//!   hangs (`app/event_loop.rs`), what a system lacks for a window (`app/no_display.rs`, `app/libraries.rs`)
 //! - `intent.rs`, `scene.rs`: what views ask for, and what they show
 //! - `view/`: the views. Colours, font sizes and distances: `view/theme.rs`; what views keep from frame to frame:
 //!   `view/state.rs`
