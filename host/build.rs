@@ -20,7 +20,12 @@ fn main() {
     println!("cargo:rustc-env=SLIPLINE_VERSION={version}{in_brackets}");
     for folder in [
         Included { feature: "page", of: "/// The page in the program", makes: ".ci/page", has: "index.html" },
-        Included { feature: "images", of: "/// The images in the program", makes: ".ci/images", has: "SHA256SUMS" },
+        Included {
+            feature: "images",
+            of: "/// The images in the program",
+            makes: ".ci/images",
+            has: "SHA256SUMS",
+        },
     ] {
         let name = folder.feature.to_uppercase();
         if std::env::var_os(format!("CARGO_FEATURE_{name}")).is_some()

@@ -21,7 +21,8 @@ impl Cli {
     /// # Errors
     /// [`Failure`] with exit code 2: the argument that is refused, as it is written, and what is allowed.
     pub fn of_words(words: &[OsString]) -> Result<Self, Failure> {
-        let matches = command().try_get_matches_from(words).map_err(|error| refused(error, asks_for_json(words)))?;
+        let matches =
+            command().try_get_matches_from(words).map_err(|error| refused(error, asks_for_json(words)))?;
         let mut cli = Self::from_arg_matches(&matches).map_err(|error| refused(error, false))?;
         if let Some((_, options)) = matches.subcommand() {
             // Not every command has it.

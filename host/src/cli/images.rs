@@ -5,7 +5,6 @@ use super::failure::Failure;
 use super::output;
 use clap::Args;
 use serde_json::json;
-use slipline_model::atomic_file;
 use std::io::Write as _;
 use std::path::PathBuf;
 

@@ -39,18 +39,14 @@ fn pages(program: Command) -> std::io::Result<Vec<(String, Vec<u8>)>> {
     let version = program.get_version().unwrap_or_default().to_owned();
     let mut program = program.disable_help_subcommand(true);
     program.build();
-    let commands: Vec<_> = program.get_subcommands().cloned().collect();
-    let of = |name: String, command: Command| -> std::io::Result<_> {
+    let of = |command: Command| -> std::io::Result<_> {
+        // Of a command its name after the program's: slipline-drive.
+        let name = command.get_display_name().unwrap_or(command.get_name()).to_owned();
         let mut page = Vec::new();
-        let man = Man::new(command.name(name.clone())).title(name.to_uppercase());
-        man.source(format!("Slipline {version}")).manual("Slipline").render(&mut page)?;
+        let man = Man::new(command).title(name.to_uppercase()).source(format!("Slipline {version}"));
+        man.manual("Slipline").render(&mut page)?;
         Ok((format!("{name}.1"), page))
     };
-    let name = program.get_name().to_owned();
-    let parts = commands.into_iter().map(|command| (format!("{name}-{}", command.get_name()), command));
-    let mut pages = vec![of(name.clone(), program.clone())?];
-    for (name, command) in parts {
-        pages.push(of(name, command)?);
-    }
-    Ok(pages)
+    let commands: Vec<_> = program.get_subcommands().cloned().collect();
+    std::iter::once(program).chain(commands).map(of).collect()
 }

@@ -9,15 +9,15 @@ use std::path::Path;
 ///
 /// | way | records |
 /// |---|---|
-/// | `deb` | dpkg's list of the package, of a program in `/usr/bin` |
+/// | `deb` | the package's documents, of a program in `/usr/bin` |
 /// | `wheel` | `slipline-*.dist-info` in the environment's `site-packages` |
 /// | `cargo` | `.crates.toml` beside the folder `bin` |
 /// | `source` | `.cargo-lock`, in a target folder of cargo |
 /// | `archive` | none of these |
-fn installed_by(program: &Path, dpkg_list: &Path) -> &'static str {
+fn installed_by(program: &Path, documents: &Path) -> &'static str {
     let Some(folder) = program.parent() else { return "archive" };
     let around = folder.parent().unwrap_or(folder);
-    if folder == Path::new("/usr/bin") && dpkg_list.is_file() {
+    if folder == Path::new("/usr/bin") && documents.is_dir() {
         "deb"
     } else if is_in_environment(around) {
         "wheel"
@@ -37,9 +37,9 @@ fn is_in_environment(environment: &Path) -> bool {
         entries.map(|entry| entry.path()).collect::<Vec<_>>()
     };
     let is_ours = |path: &Path| {
-        path.file_name().and_then(|name| name.to_str()).is_some_and(|name| {
-            name.starts_with("slipline-") && name.ends_with(".dist-info")
-        })
+        path.file_name()
+            .and_then(|name| name.to_str())
+            .is_some_and(|name| name.starts_with("slipline-") && name.ends_with(".dist-info"))
     };
     let libraries = ["lib", "Lib"].map(|name| environment.join(name));
     let pythons = libraries.iter().flat_map(|library| names(library)).chain(libraries.clone());
@@ -53,7 +53,7 @@ pub(super) fn print() -> Result<(), Failure> {
     let value = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "commit": commit,
-        "installed": installed_by(&program, Path::new("/var/lib/dpkg/info/slipline.list")),
+        "installed": installed_by(&program, Path::new("/usr/share/doc/slipline")),
         "program": program.display().to_string(),
     });
     output::print(true, &value, |_| Ok(()))
@@ -75,11 +75,11 @@ mod tests {
     #[test]
     fn the_way_of_installation_is_read_from_the_records_around_the_program() {
         let root = empty("installed");
-        let list = root.join("slipline.list");
+        let documents = root.join("doc");
         let usr = Path::new("/usr/bin/slipline");
-        assert_eq!(installed_by(usr, &list), "archive");
-        std::fs::write(&list, "").unwrap();
-        assert_eq!(installed_by(usr, &list), "deb");
+        assert_eq!(installed_by(usr, &documents), "archive");
+        std::fs::create_dir(&documents).unwrap();
+        assert_eq!(installed_by(usr, &documents), "deb");
         for (record, way) in [
             ("bin/slipline.txt", "archive"),
             ("lib/python3.12/site-packages/slipline-0.1.0.dist-info/METADATA", "wheel"),
@@ -93,7 +93,7 @@ mod tests {
             std::fs::create_dir_all(record.parent().unwrap()).unwrap();
             std::fs::write(record, "").unwrap();
             // A package beside which another copy lies is not that one's.
-            assert_eq!(installed_by(&environment.join("bin/slipline"), &list), way, "{way}");
+            assert_eq!(installed_by(&environment.join("bin/slipline"), &documents), way, "{way}");
             std::fs::remove_dir_all(environment).unwrap();
         }
         std::fs::remove_dir_all(root).unwrap();

@@ -27,7 +27,11 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ),
     ("clipped_samples", "", "Samples that were limited at the end of the DAC's range"),
     ("colour", "text", "unchecked, green, amber or red"),
-    ("commit", "text", "Commit that the program was built from; null where it was built outside the project's tree"),
+    (
+        "commit",
+        "text",
+        "Commit that the program was built from; null where it was built outside the project's tree",
+    ),
     ("compatibility", "text", "How the versions of device and program agree"),
     ("base_frequency_hz", "", "The tones of a chord are multiples of this frequency"),
     ("band_hz", "", "Lowest and highest frequency of the check"),
