@@ -11,7 +11,7 @@ from measuring import listen, listened
 from messages import DigestStart
 
 TEXT = (ROOT / "firmware/BOARDS.md").read_text()
-RULES = (ROOT / "firmware/70-slipline.rules").read_text()
+RULES = (ROOT / "host/link/70-slipline.rules").read_text()
 BOARDS = re.findall(r"^(board-[\w-]+) = ", (ROOT / "firmware/stm32/Cargo.toml").read_text(), re.M)
 ALLOCATED, NO_BITS = 2, "SHT_NOBITS"
 # A table in the documents may lag a little behind the code; the stack's by some words only.
@@ -135,7 +135,7 @@ def test_the_rule_is_for_this_device_and_this_user_only():
 
 def test_the_rule_comes_before_the_one_that_grants_what_it_asks_for():
     """systemd's 73-seat-late.rules acts on the tag; a later file has no effect."""
-    (rule,) = (ROOT / "firmware").glob("*.rules")
+    (rule,) = (ROOT / "host/link").glob("*.rules")
     assert int(rule.name[:2]) < 73
 
 

@@ -262,4 +262,32 @@ fn the_version_stands_in_one_place() {
         let manifest = fs::read_to_string(root().join(path)).expect("a manifest is text");
         assert!(manifest.contains("\nversion.workspace = true\n"), "{path}");
     }
+    // A registry knows no paths: the crates ask for each other by the same version.
+    let manifest = text("Cargo.toml");
+    let (_, version) = manifest.split_once("\nversion = \"").expect("a version");
+    let version = version.split('"').next().expect("split yields one part");
+    let ours: Vec<_> = manifest.lines().filter(|line| line.starts_with("slipline")).collect();
+    assert!(ours.len() > 8, "{ours:?}");
+    for line in ours.iter().filter(|line| line.contains(" = { path = ")) {
+        assert!(line.contains(&format!("version = \"{version}\"")), "{line}");
+    }
+}
+
+#[test]
+fn readme_window_and_debian_package_name_the_same_libraries() {
+    let readme = text("README.md");
+    let (_, list) = readme.split_once("window needs `").expect("the list");
+    let listed: BTreeSet<&str> = list.split('`').next().expect("its end").split_whitespace().collect();
+    assert!(listed.len() > 4, "{listed:?}");
+    let control = text("host/package/control");
+    let depends = control.lines().find_map(|line| line.strip_prefix("Depends: ")).expect("dependencies");
+    let depends: BTreeSet<&str> = depends.split(", ").filter_map(|item| item.split(' ').next()).collect();
+    // What every program in Rust is linked with.
+    let linked: BTreeSet<&str> = ["libc6", "libgcc-s1"].into();
+    assert_eq!(depends, &listed | &linked);
+    let window = text("host/window/src/app/libraries.rs");
+    let (_, table) = window.split_once("LIBRARIES: ").expect("the table");
+    let table = table.split("];").next().expect("its end");
+    let named: BTreeSet<&str> = table.lines().filter_map(|line| line.split('"').nth(3)).collect();
+    assert_eq!(named, listed);
 }

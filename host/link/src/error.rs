@@ -16,7 +16,8 @@ pub enum LinkError {
     Busy(Port),
     /// The user has no permission to open the port.
     #[error(
-        "no permission to open {0}: on Linux install the udev rule or join the group dialout, then log in again"
+        "no permission to open {0}: on Linux \"slipline udev\" prints the rules that permit it; or join the group dialout and log \
+         in again"
     )]
     NoPermission(Port),
     /// The name exists but is not a serial port.

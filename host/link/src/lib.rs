@@ -43,6 +43,7 @@
 //! - `driver_watch.rs`: notices a program that hangs. Tests: `tests/tests/driver_watch.rs`
 //! - `transport.rs`, `port.rs`, `clock.rs`, `recorder.rs`: byte stream, ports, the caller's time, and the upkeep of a snapshot
 //! - `system_words.rs`: the operating system's errors in Slipline's words
+//! - `udev.rs`: the rules of Linux that let the user open a board
 //! - `log.rs`, `trace.rs`, `upkeep.rs`, `remedy.rs`: the common log, the trace of frames, texts about maintenance and faults
 //!
 //! Run an example of `host/link/examples/` with `cargo run -p slipline-link --example replay`.
@@ -97,6 +98,7 @@ mod table;
 mod trace;
 pub mod transport;
 mod trigger_outcome;
+pub mod udev;
 mod undecided;
 pub mod upkeep;
 

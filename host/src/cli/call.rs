@@ -5,6 +5,7 @@ use super::examples;
 use super::failure::Failure;
 use super::output;
 use super::refusal::Refusal;
+use super::version;
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, FromArgMatches as _};
 use std::ffi::OsString;
@@ -20,8 +21,9 @@ impl Cli {
     /// # Errors
     /// [`Failure`] with exit code 2: the argument that is refused, as it is written, and what is allowed.
     pub fn of_words(words: &[OsString]) -> Result<Self, Failure> {
-        let matches = command().try_get_matches_from(words).map_err(refused)?;
-        let mut cli = Self::from_arg_matches(&matches).map_err(refused)?;
+        let matches =
+            command().try_get_matches_from(words).map_err(|error| refused(error, asks_for_json(words)))?;
+        let mut cli = Self::from_arg_matches(&matches).map_err(|error| refused(error, false))?;
         if let Some((_, options)) = matches.subcommand() {
             // Not every command has it.
             cli.may_replace = options.try_get_one("force").is_ok_and(|force| force == Some(&true));
@@ -40,10 +42,15 @@ fn command() -> clap::Command {
 }
 
 /// A refusal of the parser: its text without the parser's own voice.
-fn refused(error: clap::Error) -> Failure {
+fn refused(error: clap::Error, as_json: bool) -> Failure {
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
         // Help and version end the program.
-        match output::print_of_parser(&error) {
+        let printed = if as_json && error.kind() == ErrorKind::DisplayVersion {
+            version::print()
+        } else {
+            output::print_of_parser(&error)
+        };
+        match printed {
             Ok(()) => std::process::exit(0),
             Err(failure) => return failure,
         }

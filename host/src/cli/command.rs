@@ -4,8 +4,9 @@ use super::destination::ForceArgument;
 use super::failure::Failure;
 use super::rig::PortArgument;
 use super::{
-    calibrate, check, completions, design, drive, figures, info, measure, merit, output, page, presets,
-    profile, progress, record, respond, serve, simulate, study, sweep, table, texture, trim, verify, watch,
+    calibrate, check, completions, design, drive, figures, images, info, manual, measure, merit, output,
+    page, presets, profile, progress, record, respond, serve, simulate, study, sweep, table, texture, trim,
+    udev, verify, watch,
 };
 use crate::signals;
 use clap::{CommandFactory as _, Parser, Subcommand};
@@ -120,6 +121,12 @@ pub enum Command {
     Figures(figures::FiguresArguments),
     /// Print the script with which a shell completes the words of this program.
     Completions(completions::CompletionsArguments),
+    /// Write the pages of man: one for the program and one for each command.
+    Manual(manual::ManualArguments),
+    /// List or write the boards' images, which releases of this program hold.
+    Images(images::ImagesArguments),
+    /// Print the udev rules by which Linux lets the user at the screen open a board, with the two lines that install them.
+    Udev,
 }
 
 impl Cli {
@@ -187,6 +194,9 @@ impl Command {
             Self::Trim(arguments) => trim::run(&arguments, json),
             Self::Figures(arguments) => figures::run(&arguments, json),
             Self::Completions(arguments) => completions::run(&arguments, Cli::command(), json),
+            Self::Manual(arguments) => manual::run(&arguments, Cli::command(), json),
+            Self::Images(arguments) => images::run(&arguments, json),
+            Self::Udev => udev::run(json),
         }
     }
 }

@@ -69,6 +69,9 @@ pub const EXAMPLES: &[(&str, &[&str])] = &[
     ),
     ("figures", &["slipline figures --out figures"]),
     ("completions", &["slipline completions bash"]),
+    ("manual", &["slipline manual --out manual"]),
+    ("images", &["slipline images"]),
+    ("udev", &["slipline udev"]),
 ];
 
 /// The end of the help of a command.

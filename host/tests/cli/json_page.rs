@@ -31,6 +31,7 @@ const MORE: &[(&str, &str)] = &[
     ),
     ("calibrate --plan", "calibrate --plate membrane --plan --sensor 32mm --sensor 310mm"),
     ("profile", "profile write coil.toml"),
+    ("--version", "--version"),
 ];
 const COIL: &str = "name = \"coil\"\nmax_sum = 0.4\nlongest_drive_s = 60\n[travel]\nresonance_hz = 60\nquality = 2\nstatic_travel = 0.5\n";
 

@@ -12,6 +12,7 @@ mod foreign;
 mod held_up;
 mod help;
 mod holding;
+mod installing;
 mod json_errors;
 mod json_page;
 mod lights;

@@ -17,6 +17,9 @@ mod event_loop;
 mod glyphs;
 mod input;
 mod kiosk;
+#[cfg(all(unix, not(target_vendor = "apple"), not(target_arch = "wasm32")))]
+#[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the system's environment and folders"))]
+mod libraries;
 #[cfg(not(target_arch = "wasm32"))]
 #[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the system's environment"))]
 mod no_display;

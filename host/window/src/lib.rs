@@ -13,8 +13,9 @@
 //! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
 //!
 //! - `app.rs`: hands events on, carries out intents (`app/perform.rs`); keys (`app/input.rs`), the stage
-//!   alone, for visitors or in a frame (`app/kiosk.rs`), the demonstration (`app/demonstration.rs`), the pace of pictures (`app/pace.rs`), a window that
-//!   hangs (`app/event_loop.rs`)
+//!   alone, for visitors or in a frame (`app/kiosk.rs`), the demonstration (`app/demonstration.rs`), the pace of pictures
+//!   (`app/pace.rs`), a window that hangs (`app/event_loop.rs`), what a system lacks for a window (`app/no_display.rs`,
+//!   `app/libraries.rs`)
 //! - `intent.rs`, `scene.rs`: what views ask for, and what they show
 //! - `view/`: the views. Colours, font sizes and distances: `view/theme.rs`; what views keep from frame to frame:
 //!   `view/state.rs`

@@ -41,7 +41,7 @@ pub fn run<'app>(
     options.glow_options.vsync = false;
     // Noise under the last bit of a colour is not seen, and software graphics compute it for every pixel.
     options.dithering = false;
-    if let Some(lacking) = no_display::lacking_extension() {
+    if let Some(lacking) = no_display::lacking() {
         return Err(eframe::Error::AppCreation(lacking.into()));
     }
     let mut event_loop = EventLoop::<UserEvent>::with_user_event().build()?;

@@ -6,9 +6,9 @@ const DISPLAYS: [&str; 2] = ["WAYLAND_DISPLAY", "DISPLAY"];
 /// How eframe begins its error where the system offers no OpenGL; a list of what was asked for follows, which helps nobody.
 const NO_OPENGL: &str = "Found no glutin configs";
 
-/// What the X server that winit will use lacks, before winit panics about it: winit counts on the extension RANDR. Nothing where
-/// there is no such server, which winit reports itself.
-pub(super) fn lacking_extension() -> Option<String> {
+/// What is lacking for a window on the X server that winit will use, before winit panics about it: a library, or the extension
+/// RANDR. Nothing where there is no such server, which winit reports itself.
+pub(super) fn lacking() -> Option<String> {
     #[cfg(all(unix, not(target_vendor = "apple")))]
     {
         use x11rb::connection::RequestConnection as _;
@@ -16,6 +16,9 @@ pub(super) fn lacking_extension() -> Option<String> {
             return None;
         }
         let (connection, _) = x11rb::connect(Some(&set("DISPLAY")?)).ok()?;
+        if let Some(lacking) = super::libraries::lacking() {
+            return Some(lacking);
+        }
         matches!(connection.extension_information("RANDR"), Ok(None)).then(|| {
             "the X server of this display has no extension RANDR, which the window needs: start the server with it, or use \
              another display. Without it, \"slipline page\" shows the same window in a browser"

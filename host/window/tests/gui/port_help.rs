@@ -4,8 +4,8 @@ use crate::test_app::TestApp;
 use eframe::egui::OutputCommand;
 use egui_kittest::kittest::Queryable as _;
 
-/// The file that is shipped with the firmware.
-const SHIPPED: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../firmware/70-slipline.rules"));
+/// What `slipline udev` prints and the Debian package installs.
+const SHIPPED: &str = slipline_link::udev::RULES;
 
 #[test]
 fn the_rules_on_the_page_are_the_file_that_is_shipped() {

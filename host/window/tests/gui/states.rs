@@ -74,6 +74,9 @@ fn asks_to_arm(window: &Harness<'static, App>, sent: &[Request]) -> bool {
 fn asks_to_restart(window: &Harness<'static, App>, sent: &[Request]) -> bool {
     sent.is_empty() && window.query_by_label("Restart into the bootloader?").is_some()
 }
+fn shows_the_rules(window: &Harness<'static, App>, sent: &[Request]) -> bool {
+    sent.is_empty() && window.query_by_label(slipline_link::udev::RULES).is_some()
+}
 fn shows_the_device(window: &Harness<'static, App>, sent: &[Request]) -> bool {
     sent.is_empty() && window.query_by_label("Reconnect by itself").is_some()
 }
@@ -119,6 +122,8 @@ fn cases() -> Vec<Case> {
     no_status.drive.status = None;
     let mut missing_port = no_device(LinkState::Reconnecting(LinkError::NoSuchPort(missing.clone())));
     missing_port.link.port = Some(missing);
+    let mut not_permitted = no_device(LinkState::Disconnected);
+    not_permitted.link.error = Some(LinkError::NoPermission(Port::Serial("/dev/ttyACM0".to_owned())));
     let mut flash = real(State::Idle);
     flash.device.compatibility = Some(Compatibility::FlashDevice);
     let mut update = simulated(State::Idle);
@@ -128,6 +133,12 @@ fn cases() -> Vec<Case> {
             "disconnected",
             no_device(LinkState::Disconnected),
             &[("Connect", connects)],
+            Err("press Connect first"),
+        ),
+        case(
+            "not permitted",
+            not_permitted,
+            &[("Permit it…", shows_the_rules), ("Connect", connects)],
             Err("press Connect first"),
         ),
         case(

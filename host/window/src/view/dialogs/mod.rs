@@ -14,6 +14,7 @@ use crate::view::theme;
 use crate::view::theme::GAP;
 use eframe::egui::os::OperatingSystem;
 use eframe::egui::{self, RichText};
+use slipline_link::udev;
 use slipline_model::export::report;
 
 /// Every key and what it does.
@@ -137,9 +138,6 @@ fn shortcuts(ui: &mut egui::Ui) {
     }
 }
 
-/// The udev rules that let the user at the screen open a device and flash it. This is the file that is shipped.
-const UDEV_RULES: &str = include_str!("../../../../../firmware/70-slipline.rules");
-
 /// What helps with ports on the user's own system; in a browser, which lists and names them itself, only what that leaves.
 fn port_help(ui: &mut egui::Ui, is_browser: bool, intents: &mut Intents) {
     ui.heading("Ports and permissions");
@@ -173,7 +171,7 @@ fn port_help(ui: &mut egui::Ui, is_browser: bool, intents: &mut Intents) {
         help(
             ui,
             "Linux: no permission",
-            "Put the rules below into /etc/udev/rules.d/70-slipline.rules and plug the device in again. Or join the group dialout (on some systems uucp) and log in again.",
+            "Put the rules below into /etc/udev/rules.d/70-slipline.rules (the two lines at their top do it) and plug the device in again. Or join the group dialout (on some systems uucp) and log in again.",
         );
         udev_rules(ui, intents);
     }
@@ -181,14 +179,14 @@ fn port_help(ui: &mut egui::Ui, is_browser: bool, intents: &mut Intents) {
 
 fn udev_rules(ui: &mut egui::Ui, intents: &mut Intents) {
     egui::Frame::group(ui.style()).show(ui, |ui| {
-        ui.add(egui::Label::new(RichText::new(UDEV_RULES).monospace().small()).wrap());
+        ui.add(egui::Label::new(RichText::new(udev::RULES).monospace().small()).wrap());
     });
     if ui
         .button("Copy the rules")
         .on_hover_text("Put them on the clipboard, to paste them into that file")
         .clicked()
     {
-        intents.push(Intent::Copy(UDEV_RULES.to_owned()));
+        intents.push(Intent::Copy(udev::RULES.to_owned()));
     }
 }
 
