@@ -99,7 +99,7 @@ def test_a_profile_is_stored_with_the_button_and_a_cause_that_stands_is_refused_
             device.arm()
             device.drive(turning_point_m=0.16, level=0.3)
             line.server.type("open")
-            _until(lambda: device.status().faults == ["DeskStop"])
+            _until(lambda: device.status().state == "Fault")
             for call in (device.clear_faults, device.arm):
                 with pytest.raises(slipline.Fault, match="stop") as caught:
                     call()
