@@ -42,7 +42,6 @@ LEFT_OUT = {
     "Verification": ("port",),
     "Calibration": ("read",),
     "Status": ("defaults",),
-    "Trim": ("ended_by",),
 }
 #: Fields that a result has instead or besides: type and meaning.
 OWN = {

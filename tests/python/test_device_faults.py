@@ -83,39 +83,39 @@ STOP_FITTED = 'name = "rig"\nmax_sum = 0.5\nstop_input = true\n[travel]\nresonan
 
 
 def test_a_profile_is_stored_with_the_button_and_a_cause_that_stands_is_refused_by_its_name(command: Any) -> None:
-    with Line() as line, slipline.connect(line.port) as device:
-        assert device.profile().profile is None
-        with pytest.raises(slipline.BadFile, match="max_sum = 1.2: must be 0.001 to 1"):
-            device.store_profile('name = "x"\nmax_sum = 1.2')
-        with pytest.raises(slipline.Refused, match="button"):
-            device.store_profile(STOP_FITTED)
-        line.server.type("press")
-        _until(lambda: device.store_profile(STOP_FITTED).stored == "Whole")
-        line.server.type("release")
-        kept = device.profile()
-        assert (kept.profile.name, kept.profile.max_sum, kept.profile.travel.quality) == ("rig", 0.5, 2.0)
+    with Line() as line:
+        with slipline.connect(line.port) as device:
+            assert device.profile().profile is None
+            with pytest.raises(slipline.BadFile, match="max_sum = 1.2: must be 0.001 to 1"):
+                device.store_profile('name = "x"\nmax_sum = 1.2')
+            with pytest.raises(slipline.Refused, match="button"):
+                device.store_profile(STOP_FITTED)
+            line.server.type("press")
+            _until(lambda: device.store_profile(STOP_FITTED).profile is not None)
+            line.server.type("release")
+            kept = device.profile()
+            assert (kept.profile.name, kept.profile.max_sum, kept.profile.travel.quality) == ("rig", 0.5, 2.0)
+            device.use(slipline.Plate("membrane"))
+            device.arm()
+            device.drive(turning_point_m=0.16, level=0.3)
+            line.server.type("open")
+            _until(lambda: device.status().state == "Fault")
+            for call in (device.clear_faults, device.arm):
+                with pytest.raises(slipline.Fault, match="stop") as caught:
+                    call()
+                assert caught.value.faults == ["DeskStop"] and "close its stop input" in caught.value.remedy
         shown = command("profile", "--port", line.port).answer()
         assert kept.to_dict() == {name: value for name, value in shown.items() if name != "schema"}
-        device.use(slipline.Plate("membrane"))
-        device.arm()
-        device.drive(turning_point_m=0.16, level=0.3)
-        line.server.type("open")
-        _until(lambda: device.status().faults == ["DeskStop"])
-        for call in (device.clear_faults, device.arm):
-            with pytest.raises(slipline.Fault, match="stop") as caught:
-                call()
-            assert caught.value.faults == ["DeskStop"] and "close its stop input" in caught.value.remedy
-        # A fresh process with the line of the page.
+        # A fresh process with the line of the page, while the cause stands.
         with Program(AGAIN, line.port) as program:
             assert program.line() == "refused DeskStop"
             assert program.end() == (0, "")
         line.server.type("close")
-        # It must rest closed for 2 s.
-        _until(lambda: not _refused(device.clear_faults))
-        device.arm()
-        device.disarm()
-        line.server.type("press")
-        _until(lambda: device.erase_profile().profile is None)
+        with slipline.connect(line.port) as device:
+            # It must rest closed for 2 s.
+            _until(lambda: not _refused(device.clear_faults))
+            line.server.type("press")
+            _until(lambda: device.erase_profile().profile is None)
 
 
 def _refused(call: Callable[[], object]) -> bool:

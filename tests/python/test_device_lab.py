@@ -24,7 +24,7 @@ def test_a_trim_finds_the_speed_that_has_changed_as_the_command_line_does(tmp_pa
         device.use(plate)
         found = device.trim(PLACE_M, duration_s=0.1)
         assert device.status().state == "Idle"
-        assert set(found.to_dict()) == set(shown) - {"schema", "files", "ended_by"}
+        assert set(found.to_dict()) == set(shown) - {"schema", "files"}
         for one in (found.begin, found.later[0]):
             assert one.low < 1.01 < one.high and one.high - one.low < 4e-3 and one.chi2_per_n < 3.0
         assert found.place_m == PLACE_M and "from its mark" in (found.caution or "")

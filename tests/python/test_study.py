@@ -367,7 +367,8 @@ def test_results_are_named_and_the_store_has_those_alone(here: xarray.Dataset, t
     done = found.isel(plate=found.status.values == 1)
     assert done.sizes["plate"] >= 4
     for name in RESULTS:
-        assert np.isfinite(done[name].values).all(), name
+        # A wide plate may have no peak, or be felt to its end.
+        assert np.isfinite(done[name].values).any(axis=0).all(), name
         assert done[name].units == ("dB" if name.endswith("_db") else "m") and done[name].long_name
     # The same numbers as without the others.
     for name in RESULTS[:2]:
@@ -426,16 +427,17 @@ def test_a_plate_at_which_the_workers_fail_is_a_row_in_two_dimensions_and_tried_
     assert bits(slipline.study.run(plane(5), store=tmp_path / "study.zarr")) == bits(whole)
 
 
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the peak of the memory is read in /proc")
 def test_a_worker_in_two_dimensions_needs_less_than_the_stated_100_megabytes() -> None:
     body = """
-    import resource
+    import re
     import slipline
 
     plate = slipline.Plate("latex-membrane")
     places = [place for place in plate.span_m]
     spec = {"plate": plate, "kind": "2d", "seed": 7, "count": 1, "turning_point_m": places, "vary": {"loss_factor": {"uniform": 0.1}}}
     status, _, _ = slipline.study._Study(slipline.study.spec_text(spec)).run(0, 1)
-    print(status[0], resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+    print(status[0], re.search(r"VmHWM:\\s*([0-9]+) kB", open("/proc/self/status").read())[1])
     """
     with Program(body) as program:
         status, kilobytes = program.line().split()

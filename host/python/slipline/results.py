@@ -853,6 +853,8 @@ class Trim(Result):
     begin: TrimBegin
     caution: str | None
     """A caution that no measurement reveals and the user must check."""
+    ended_by: str
+    """time, stop or input (of --stdin), or the signal that ended it."""
     later: Results[TrimLater]
     place_m: float
     """Place of the sensor; m."""

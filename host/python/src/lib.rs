@@ -14,10 +14,11 @@
 //!
 //! - `plate.rs`, `field.rs`, `calibrate.rs`, `simulate.rs`, `texture.rs`: `slipline.Plate` and its calls (`plate/`).
 //!   Tests: `tests/python/test_plates.py`
-//! - `device/`: what Python calls on a device. Tests: `tests/python/test_device.py`
+//! - `device/`: what Python calls on a device. Tests: `tests/python/test_device.py`, of trims, sweeps and profiles
+//!   `tests/python/test_device_lab.py`
 //! - `design.rs`, `measurement.rs`, `feeling.rs`, `finger.rs`, `actual.rs`, `place.rs`: arguments and other classes
-//! - `study.rs`: any range of a study's plates; its store and cluster: `host/python/slipline/study.py`. Tests:
-//!   `tests/python/test_study.py`
+//! - `study.rs`: any range of a study's plates; its store and cluster: `host/python/slipline/study.py`; an objective for
+//!   optimisers: `host/python/slipline/_objective.py`. Tests: `tests/python/test_study.py`
 //! - `result.rs`, `error.rs`: answers as attributes, errors as exceptions
 //! - `options.rs`, `arguments.rs`, `coroutine.rs`: the entries of a dictionary, numbers and series, and objects of
 //!   Python's own code
