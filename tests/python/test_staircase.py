@@ -82,6 +82,9 @@ def test_the_fields_of_a_trial_are_those_that_were_given():
         ({"place": "boundary_m"}, "must be one of felt_edge_m, turning_point_m, frequency_hz"),
         ({"trials": 0}, "trials = 0: must be 1 to 100000"),
         ({"points": 1}, "points = 1: must be 2 to 2001"),
+        ({"points": 10.5}, "points = 10.5: must be a whole number"),
+        ({"trials": "3"}, "trials = 3: must be 1 to 100000"),
+        ({"guess": float("nan")}, "must be 0 to 0.9"),
         ({"guess": 1.0}, "must be 0 to 0.9"),
         ({"lapse": -0.1}, "must be 0 to 0.5"),
         ({"spreads": [0.0]}, "must be numbers above 0"),
@@ -91,3 +94,32 @@ def test_the_fields_of_a_trial_are_those_that_were_given():
 def test_a_refusal_names_the_wrong_value(arguments, message):
     with pytest.raises(slipline.OutOfRange, match=message):
         Staircase(**{"low": 0.1, "high": 0.2, **arguments})
+
+
+@pytest.mark.parametrize("answer", ["no", "yes", float("nan"), 1, 0.0, None, [True]])
+def test_an_answer_is_true_or_false_and_nothing_else(answer):
+    staircase = Staircase(0.1, 0.2)
+    before = staircase._posterior.copy()
+    with pytest.raises(slipline.OutOfRange, match="answer = .*: must be True or False"):
+        staircase.take_answer(staircase.trial(), answer)
+    assert np.array_equal(staircase._posterior, before) and staircase.left == 40
+    staircase.take_answer(staircase.trial(), np.False_)
+    assert staircase.left == 39
+
+
+@pytest.mark.parametrize("place_m", [0.9, 0.1004, float("nan"), "0.1", None])
+def test_a_place_that_is_not_on_the_grid_is_refused(place_m):
+    staircase = Staircase(0.1, 0.2)
+    with pytest.raises(slipline.OutOfRange, match="felt_edge_m = .*: (must be one of the 101 places|the trial must have)"):
+        staircase.take_answer({"felt_edge_m": place_m}, True)
+    assert staircase.left == 40
+    # As a file has it.
+    staircase.take_answer({"felt_edge_m": 0.1230000000001}, True)
+    assert staircase.left == 39
+
+
+def test_its_text_shows_how_far_it_is():
+    staircase = Staircase(0.1, 0.2, trials=2)
+    staircase.take_answer(staircase.trial(), True)
+    text = f"threshold={staircase.threshold:.6g} +- {staircase.deviation:.2g})"
+    assert repr(staircase) == f"Staircase(0.1, 0.2, place='felt_edge_m': 1 of 2 trials, {text}"

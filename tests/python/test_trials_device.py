@@ -7,17 +7,19 @@ import numpy as np
 import pytest
 import slipline
 
-#: A break; the night takes that of 70 s, with the unattended time of every device.
-BREAK_S = float(os.environ.get("SLIPLINE_BREAK_S", "1.4"))
-UNATTENDED_S = BREAK_S * 6 / 7
+#: A break that is longer than the unattended time of its device; the night takes one of 70 s.
+BREAK_S = float(os.environ.get("SLIPLINE_BREAK_S", "2.4"))
 
 
-@pytest.fixture
-def device():
-    with slipline.connect("sim", unattended_s=UNATTENDED_S) as device:
+@pytest.fixture(params=[60.0])
+def device(request):
+    with slipline.connect("sim", unattended_s=request.param) as device:
         device.use(slipline.Plate("membrane"))
         device.arm()
         yield device
+
+
+short_of_attention = pytest.mark.parametrize("device", [BREAK_S * 5 / 6], indirect=True)
 
 
 def run(device, listed, respond, folder, **more):
@@ -57,6 +59,7 @@ def test_a_list_runs_on_the_simulated_device(device, tmp_path):
     assert all(index + length <= later for index, length, later in zip(indices, lengths, [*indices[1:], status.now_samples]))
 
 
+@short_of_attention
 def test_a_break_longer_than_the_unattended_time_is_one_without_a_fault(device, tmp_path):
     listed = [{"turning_point_m": 0.12, "duration_s": 0.05, "block": block} for block in (1, 1, 2)]
     states = []
@@ -84,6 +87,7 @@ def test_the_result_of_rest_says_how_to_go_on(device):
     assert device.status().state == "Idle", "what was left by an error is not armed"
 
 
+@short_of_attention
 def test_an_answer_after_more_than_the_unattended_time_is_written_and_the_call_goes_on(device, tmp_path):
     listed = [{"turning_point_m": 0.12}] * 2
     slow = [BREAK_S, 0.0]

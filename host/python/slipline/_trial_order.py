@@ -51,6 +51,7 @@ def with_at_most_alike(values: Sequence[Hashable], most: int, rng: np.random.Gen
 
     Each value is drawn from those after which the rest can still be ordered: a value that is left c times needs c/most places
     beside the others. Where that holds for every value there is always one to draw, so that no draw is taken back.
+    Every allowed order is possible; they are not equally likely.
     """
     left: dict[Hashable, list[int]] = {}
     for number in rng.permutation(len(values)):

@@ -72,7 +72,7 @@ class Player:
         with self._device.rest():
             take_break(shown)
         self._ended_s = time.monotonic()
-        return self._ended_s - began_s
+        return round(self._ended_s - began_s, 6)
 
     def play(self, trial: Trial, iti_s: float, shown: dict[str, Any]) -> Played:
         """Plays a trial ``iti_s`` after the one before, and asks for its answer."""
@@ -125,7 +125,7 @@ class Player:
         values = {
             "duration": _between_s(first.at_samples, last.end, rate_hz),
             "trial_type": trial.trial_type,
-            "response_time": response_time_s,
+            "response_time": round(response_time_s, 6),
             "at_samples": first.at_samples,
             **self._places(first),
             "iti_s": iti_s,

@@ -57,6 +57,9 @@ class Staircase:
             raise OutOfRange(f"low = {low}, high = {high}: low must be below high", "low", low, high=high)
         _check("trials", trials, 1, 100_000)
         _check("points", points, 2, 2001)
+        for field, value in (("trials", trials), ("points", points)):
+            if value != int(value):
+                raise OutOfRange(f"{field} = {value}: must be a whole number", field, value)
         _check("guess", guess, 0.0, 0.9)
         _check("lapse", lapse, 0.0, 0.5)
         if spreads is None:
@@ -65,16 +68,16 @@ class Staircase:
         if grid.ndim != 1 or not np.all(np.isfinite(grid)) or not np.all(grid > 0):
             raise OutOfRange(f"spreads = {spreads}: must be numbers above 0", "spreads", spreads)
         self.place = place
-        self.trials = trials
+        self.trials = int(trials)
         self.fields: Mapping[str, Any] = {"trial_type": "staircase", **fields}
-        self.places: NDArray[np.float64] = np.linspace(low, high, points)
+        self.places: NDArray[np.float64] = np.linspace(low, high, int(points))
         # The threshold is known finer than it is asked.
-        self.thresholds: NDArray[np.float64] = np.linspace(low, high, 4 * (points - 1) + 1)
+        self.thresholds: NDArray[np.float64] = np.linspace(low, high, 4 * (self.places.size - 1) + 1)
         self.spreads: NDArray[np.float64] = grid
         pairs = (self.thresholds.size, grid.size)
         self._posterior = np.full(pairs, 1.0 / (pairs[0] * pairs[1])).ravel()
         z = (self.places[:, None, None] - self.thresholds[None, :, None]) / grid[None, None, :]
-        yes = (guess + (1.0 - guess - lapse) * _normal(z)).reshape(points, -1)
+        yes = (guess + (1.0 - guess - lapse) * _normal(z)).reshape(self.places.size, -1)
         # No answer is impossible: a single slip would leave no pair.
         yes = np.clip(yes, 1e-9, 1.0 - 1e-9)
         self._likelihood = {True: yes, False: 1.0 - yes}

@@ -209,7 +209,7 @@ class _Runner:
     def _write(self, played: Played, trial: Trial, answer: Mapping[str, Any], values: Mapping[str, Any]) -> None:
         onset_s = self._axis.onset_s(played.values["at_samples"], played.unit, played.rate_hz, played.unix_s, played.monotonic_s)
         cells = {**self._cells, **played.values, **values, "onset": onset_s, "unit": played.unit}
-        cells |= {"date": date_of(played.unix_s), "host_clock_s": played.monotonic_s}
+        cells |= {"date": date_of(played.unix_s), "host_clock_s": round(played.monotonic_s, 6)}
         cells |= {column: answer[column] for column in ANSWERED if column in answer}
         if trial.timeout_s is not None:
             time_s = cells["response_time"]
