@@ -48,7 +48,7 @@ def on_files(files: Files, config: Any) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
-    """Leads links to where their files are in the site; a link to a file that is not there is its text."""
+    """Leads links to where their files are in the site; of a link to another file the text stays."""
     here = page.file.src_uri
     source = next((path for path, place in places.items() if place == here), here)
 
