@@ -16,15 +16,23 @@ pub enum CalibrationSide {
     After,
 }
 
-/// The two plates of the latest calibration that was used.
-pub(super) struct BeforeAfter {
+/// The latest calibration that was used.
+#[derive(Default)]
+pub(super) struct Calibrated {
+    plates: Option<BeforeAfter>,
+    /// Lines that keep their places on the plate that was turned to, until its table is finished.
+    pub(super) held: Option<HeldLines>,
+}
+
+/// The two plates of a calibration.
+struct BeforeAfter {
     before: Arc<Plate>,
     after: Arc<Plate>,
 }
 
 impl BeforeAfter {
     /// Which of the two this plate is; `None` for any other, also for one of the two with another number.
-    pub(super) fn side(&self, plate: &Arc<Plate>) -> Option<CalibrationSide> {
+    fn side(&self, plate: &Arc<Plate>) -> Option<CalibrationSide> {
         if Arc::ptr_eq(plate, &self.before) {
             return Some(CalibrationSide::Before);
         }
@@ -35,14 +43,14 @@ impl BeforeAfter {
 impl Instrument {
     /// Which plate of the latest calibration is on the screen, if one is.
     pub(super) fn calibration_side(&self) -> Option<CalibrationSide> {
-        self.before_after.as_ref()?.side(self.desk.plate())
+        self.calibrated.plates.as_ref()?.side(self.desk.plate())
     }
 
     /// Uses a plate that was calibrated on the present one; the lines keep their felt edges.
     pub(super) fn use_calibrated(&mut self, after: Arc<Plate>) {
         let before = Arc::clone(self.desk.plate());
         self.turn_to_plate(&after, self.drive.full_peak_m());
-        self.before_after = Some(BeforeAfter { before, after });
+        self.calibrated.plates = Some(BeforeAfter { before, after });
     }
 
     /// Shows the plate as it was before the latest calibration, or the calibrated one again; the lines keep their felt edges. A
@@ -53,7 +61,7 @@ impl Instrument {
             // It would go with the next tones that are measured if it were of the device's state.
             return self.out.post(text.to_owned());
         }
-        let other = self.before_after.as_ref().and_then(|pair| {
+        let other = self.calibrated.plates.as_ref().and_then(|pair| {
             Some(match pair.side(self.desk.plate())? {
                 CalibrationSide::Before => (&pair.after, "After the calibration."),
                 CalibrationSide::After => {
@@ -75,6 +83,7 @@ impl Instrument {
         let edges_m = self.screen.edges_m(&self.desk, &self.drive);
         self.edit(&Edit::Plate(Arc::clone(plate)));
         self.screen.keep_edges(edges_m.clone());
-        self.held = Some(HeldLines { plate: Arc::clone(plate), edges_m, full_peak_m: said_peak_m });
+        self.calibrated.held =
+            Some(HeldLines { plate: Arc::clone(plate), edges_m, full_peak_m: said_peak_m });
     }
 }

@@ -186,7 +186,7 @@ impl Instrument {
     /// level moves this plate, if the file said something else, and which line could not stay.
     pub(super) fn hold_lines(&mut self) {
         let is_in_use = |held: &HeldLines| Arc::ptr_eq(&held.plate, self.desk.plate());
-        let Some(held) = self.held.take().filter(is_in_use) else { return };
+        let Some(held) = self.calibrated.held.take().filter(is_in_use) else { return };
         let mut said = Vec::new();
         if let (Some(before_m), Some(now_m)) = (held.full_peak_m, self.drive.full_peak_m())
             && (now_m / before_m - 1.0).abs() > SAME

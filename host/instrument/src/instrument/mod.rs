@@ -49,9 +49,8 @@ pub use work::Jobs;
 
 use crate::bench::Bench;
 use crate::changes::Changes;
-use before_after::BeforeAfter;
+use before_after::Calibrated;
 use drive::News;
-use held_lines::HeldLines;
 use lab::{Lab, Reach};
 use screen::Sight;
 use slipline_model::field::line::Line;
@@ -70,10 +69,7 @@ pub struct Instrument {
     /// Messages and actions for the shell.
     pub out: Outbox,
     attention: Attention,
-    /// Lines that keep their places on a calibrated plate, until its table is finished.
-    held: Option<HeldLines>,
-    /// The plates of the latest calibration that was used.
-    before_after: Option<BeforeAfter>,
+    calibrated: Calibrated,
     tour: Option<Tour>,
 }
 
@@ -88,8 +84,7 @@ impl Instrument {
             desk: Desk::new(setup),
             attention: Attention::default(),
             out: Outbox::default(),
-            held: None,
-            before_after: None,
+            calibrated: Calibrated::default(),
             tour: None,
         }
     }

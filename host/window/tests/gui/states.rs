@@ -298,6 +298,8 @@ fn a_simulated_device_that_was_disarmed_is_armed_and_driven_by_one_press() {
     app.disarm();
     app.wait(600);
     assert!(app.has("State: idle"));
+    app.click("Device", 200);
+    assert!(app.shows("Disarmed: press Drive to move the plate."), "one press is enough");
     app.click("Drive", 600);
     assert!(app.is_driving(), "{:?}", app.snapshot().record.log);
 }

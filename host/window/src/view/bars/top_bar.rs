@@ -6,6 +6,7 @@ use crate::view::bars::{menu, offers};
 use crate::view::stage::aligned::{self, Width};
 use crate::view::theme;
 use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, pos2, vec2};
+use slipline_instrument::autopilot::drive_arms;
 use slipline_instrument::{SAFE_MODE, fault_sentence};
 use slipline_link::protocol::event::{Fault, State, Status};
 use slipline_link::{LinkError, LinkState, Port};
@@ -60,6 +61,9 @@ pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
         LinkState::Connected => match snapshot.drive.status {
             None => ("connected", palette.weak, "The device answers.".to_owned()),
             Some(status) => match status.state {
+                State::Idle if drive_arms(snapshot) => {
+                    ("idle", palette.weak, "Disarmed: press Drive to move the plate.".to_owned())
+                }
                 State::Idle => ("idle", palette.weak, "Disarmed: press Arm, then Drive.".to_owned()),
                 State::Armed => {
                     ("armed", palette.good, "Armed and at rest: press Drive to move the plate.".to_owned())

@@ -7,7 +7,7 @@ use eframe::egui::{self, CornerRadius, Id, LayerId, Order, Rect, RichText, Strok
 use slipline_instrument::{TourScene, TourStep};
 
 /// Height of the card, in points: a row for the title, two for the sentence, one for the buttons.
-pub(crate) const HEIGHT: f32 = 106.0;
+pub(crate) const HEIGHT: f32 = 120.0;
 /// Space between a control and its ring, and the ring's width, in points.
 const AROUND: f32 = 4.0;
 const RING: f32 = 2.5;
@@ -56,7 +56,7 @@ pub(crate) fn mark(ui: &egui::Ui, scene: &Scene<'_>, step: TourStep, rect: Rect)
     }
     // Above its neighbours, and no farther than the area that may be scrolled.
     let layer = LayerId::new(Order::Middle, Id::unique("tour"));
-    let painter = ui.ctx().layer_painter(layer).with_clip_rect(ui.clip_rect().expand(AROUND));
+    let painter = ui.ctx().layer_painter(layer).with_clip_rect(ui.clip_rect().expand(AROUND + RING));
     let stroke = Stroke::new(RING, theme::palette(ui).accent);
     painter.rect_stroke(rect.expand(AROUND), CornerRadius::same(6), stroke, StrokeKind::Outside);
 }
