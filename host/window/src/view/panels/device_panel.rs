@@ -91,7 +91,9 @@ fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     lines(ui, sentence, palette.weak, 2);
     if matches!(snapshot.link.error, Some(LinkError::NoPermission(_))) {
         ui.button("Permit this port…")
-            .on_hover_text("The rules by which the system lets you open it, to be copied, and how to install them")
+            .on_hover_text(
+                "The rules by which the system lets you open it, to be copied, and how to install them",
+            )
             .asks(intents, Intent::Dialog(Some(Dialog::PortHelp)));
     }
     ui.horizontal(|ui| {
