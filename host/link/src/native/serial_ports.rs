@@ -1,7 +1,8 @@
 //! The serial ports of this computer, and which of them are Slipline devices.
 
 use crate::port::{Port, PortInfo, USB_PRODUCT, USB_VENDOR};
-use serialport::{SerialPortType, UsbPortInfo};
+use serialport::{SerialPortInfo, SerialPortType, UsbPortInfo};
+use std::path::Path;
 
 /// Other projects use the same USB ids, so the product's name must begin with this text, too.
 const USB_PRODUCT_NAME: &str = "Slipline";
@@ -13,8 +14,7 @@ const USB_PRODUCT_NAME: &str = "Slipline";
 /// be named.
 #[must_use]
 pub fn list_ports() -> Vec<PortInfo> {
-    let mut serial: Vec<PortInfo> = serialport::available_ports()
-        .unwrap_or_default()
+    let mut serial: Vec<PortInfo> = listed_by_system()
         .into_iter()
         .filter(|port| !(cfg!(target_os = "macos") && port.port_name.starts_with("/dev/tty.")))
         .map(|port| describe(port.port_name, &port.port_type))
@@ -22,6 +22,14 @@ pub fn list_ports() -> Vec<PortInfo> {
     serial.sort_by(|a, b| b.is_ours.cmp(&a.is_ours).then_with(|| a.label.cmp(&b.label)));
     let simulated = cfg!(feature = "simulator").then(PortInfo::simulated);
     simulated.into_iter().chain(serial).collect()
+}
+
+/// What the system lists. A container may have no `/sys`, without which the library panics.
+fn listed_by_system() -> Vec<SerialPortInfo> {
+    if cfg!(target_os = "linux") && !Path::new("/sys/class/tty").is_dir() {
+        return Vec::new();
+    }
+    serialport::available_ports().unwrap_or_default()
 }
 
 fn describe(name: String, kind: &SerialPortType) -> PortInfo {

@@ -2,7 +2,7 @@
 
 use crate::fixed_link::{FixedLink, driving};
 use crate::test_app::{TestApp, opened};
-use eframe::egui::{Key, Modifiers, Rect, vec2};
+use eframe::egui::{Key, Modifiers, Rect, accesskit::Role, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::protocol::event::{Fault, Faults, State};
@@ -74,9 +74,6 @@ fn asks_to_arm(window: &Harness<'static, App>, sent: &[Request]) -> bool {
 fn asks_to_restart(window: &Harness<'static, App>, sent: &[Request]) -> bool {
     sent.is_empty() && window.query_by_label("Restart into the bootloader?").is_some()
 }
-fn shows_the_rules(window: &Harness<'static, App>, sent: &[Request]) -> bool {
-    sent.is_empty() && window.query_by_label(slipline_link::udev::RULES).is_some()
-}
 fn shows_the_device(window: &Harness<'static, App>, sent: &[Request]) -> bool {
     sent.is_empty() && window.query_by_label("Reconnect by itself").is_some()
 }
@@ -122,8 +119,6 @@ fn cases() -> Vec<Case> {
     no_status.drive.status = None;
     let mut missing_port = no_device(LinkState::Reconnecting(LinkError::NoSuchPort(missing.clone())));
     missing_port.link.port = Some(missing);
-    let mut not_permitted = no_device(LinkState::Disconnected);
-    not_permitted.link.error = Some(LinkError::NoPermission(Port::Serial("/dev/ttyACM0".to_owned())));
     let mut flash = real(State::Idle);
     flash.device.compatibility = Some(Compatibility::FlashDevice);
     let mut update = simulated(State::Idle);
@@ -133,12 +128,6 @@ fn cases() -> Vec<Case> {
             "disconnected",
             no_device(LinkState::Disconnected),
             &[("Connect", connects)],
-            Err("press Connect first"),
-        ),
-        case(
-            "not permitted",
-            not_permitted,
-            &[("Permit it…", shows_the_rules), ("Connect", connects)],
             Err("press Connect first"),
         ),
         case(
@@ -216,6 +205,25 @@ fn cases() -> Vec<Case> {
             Err("press \"table differs: upload\" first"),
         ),
     ]
+}
+
+#[test]
+fn where_a_port_may_not_be_opened_the_rules_that_permit_it_are_offered() {
+    for error in [None, Some(LinkError::NoPermission(Port::Serial("/dev/ttyACM0".to_owned())))] {
+        let mut snapshot = no_device(LinkState::Disconnected);
+        snapshot.link.error = error.clone();
+        let (mut window, _) = show(snapshot, [1280.0, 800.0]);
+        window.get_by_role_and_label(Role::Button, "Device").click();
+        window.run_steps(3);
+        assert_eq!(window.query_by_label("Permit this port…").is_some(), error.is_some());
+        if error.is_some() {
+            let cure = "\"slipline udev\" prints";
+            assert!(window.query_all_by_label_contains(cure).next().is_some());
+            window.get_by_label("Permit this port…").click();
+            window.run_steps(4);
+            assert!(window.query_by_label(slipline_link::udev::RULES).is_some());
+        }
+    }
 }
 
 #[test]

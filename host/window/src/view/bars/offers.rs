@@ -32,13 +32,7 @@ pub(crate) fn offers(scene: &Scene<'_>) -> Vec<Offer> {
     let disconnect = |name, help| offer(name, help, Intent::Device(DeviceIntent::Disconnect));
     match &snapshot.link.state {
         LinkState::Disconnected => {
-            let connect =
-                offer("Connect", format!("Open {port}, the port chosen last"), Intent::Connect(port));
-            if !matches!(snapshot.link.error, Some(LinkError::NoPermission(_))) {
-                return vec![connect];
-            }
-            let help = "The rules by which the system lets you open this port, to be copied, and how to install them";
-            vec![offer("Permit it…", help, Intent::Dialog(Some(Dialog::PortHelp))), connect]
+            vec![offer("Connect", format!("Open {port}, the port chosen last"), Intent::Connect(port))]
         }
         LinkState::Connecting => vec![disconnect("Cancel", "Stop waiting and close the port")],
         LinkState::Lost(LinkError::Crashed) => {

@@ -9,7 +9,7 @@ use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_link::protocol::event::State;
-use slipline_link::{LinkState, Port, upkeep};
+use slipline_link::{LinkError, LinkState, Port, upkeep};
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     ports(ui, scene, view, intents);
@@ -89,6 +89,13 @@ fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let (word, colour, sentence) = top_bar::state_words(scene, palette);
     row(ui, "State", RichText::new(word).color(colour));
     lines(ui, sentence, palette.weak, 2);
+    if matches!(snapshot.link.error, Some(LinkError::NoPermission(_))) {
+        ui.button("Permit this port…")
+            .on_hover_text(
+                "The rules by which the system lets you open it, to be copied, and how to install them",
+            )
+            .asks(intents, Intent::Dialog(Some(Dialog::PortHelp)));
+    }
     ui.horizontal(|ui| {
         ui.spacing_mut().button_padding.x = 6.0;
         // The first button keeps its width when its label changes, so that its neighbours do not move.
