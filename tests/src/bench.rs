@@ -121,7 +121,7 @@ impl MeasuringBench {
     ) -> Result<Measured, MeasureError> {
         let inputs = self.inputs();
         let plan = Plan::new(&self.nominal, &self.wanted, RATE_HZ, inputs.lock_ins.into())?;
-        let sensor = Sensor { place_m, kind: SensorKind::Displacement, input: 0 };
+        let sensor = Sensor { place_m, kind: SensorKind::Displacement, input: 0, body: None };
         let measuring = Measuring::new(plan, self.table.clone(), sensor, &inputs)?;
         self.run(measuring, change)
     }

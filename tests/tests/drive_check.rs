@@ -104,7 +104,8 @@ fn a_measurement_begins_only_after_its_drive_was_found_on() {
     let mut bench = MeasuringBench::near("al-bending", 4, 32);
     let known = bench.rig.known_drive();
     let inputs = bench.inputs();
-    let sensor = Sensor { place_m: bench.places_m()[0], kind: SensorKind::Displacement, input: 0 };
+    let sensor =
+        Sensor { place_m: bench.places_m()[0], kind: SensorKind::Displacement, input: 0, body: None };
     for (fault, is_on) in [(None, true), (Some(RigFault::OpenMotor), false)] {
         bench.hand.set_fault(fault).unwrap();
         let plan = Plan::new(&bench.nominal, &bench.wanted, RATE_HZ, inputs.lock_ins.into()).unwrap();

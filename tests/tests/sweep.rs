@@ -13,10 +13,10 @@ use slipline_tests::bench::{MeasuringBench, RATE_HZ, predicted};
 use std::f64::consts::PI;
 
 /// The shunt is the second input.
-const CURRENT: Sensor = Sensor { place_m: 0.0, kind: SensorKind::Displacement, input: 1 };
+const CURRENT: Sensor = Sensor { place_m: 0.0, kind: SensorKind::Displacement, input: 1, body: None };
 
 fn sensor(bench: &MeasuringBench) -> Sensor {
-    Sensor { place_m: bench.places_m()[0], kind: SensorKind::Displacement, input: 0 }
+    Sensor { place_m: bench.places_m()[0], kind: SensorKind::Displacement, input: 0, body: None }
 }
 
 fn sweeping(bench: &MeasuringBench, sensor: Sensor) -> Sweeping {

@@ -36,6 +36,7 @@ pub struct CalibrationWizard {
     pub step: WizardPage,
     calipers: Option<Calipers>,
     places_m: [f64; 2],
+    mass_note: Option<String>,
     answers: [Option<PlaceResponse>; 2],
 }
 
@@ -43,12 +44,13 @@ impl CalibrationWizard {
     /// Starts a calibration of this plate.
     #[must_use]
     pub fn of(plate: &Arc<Plate>) -> Self {
-        let places_m = proposed_m(plate, Priors::default());
+        let (places_m, mass_note) = proposed(plate, Priors::default());
         Self {
             plate: Arc::clone(plate),
             step: WizardPage::Plate,
             calipers: None,
             places_m,
+            mass_note,
             answers: [None, None],
         }
     }
@@ -83,7 +85,7 @@ impl CalibrationWizard {
     /// Which length is out of range or gives an invalid plate. The previous dimensions then stay.
     pub fn take_calipers(&mut self, calipers: Option<Calipers>) -> Result<(), PlateError> {
         let (plate, priors) = with_calipers(&self.plate, calipers)?;
-        self.places_m = proposed_m(&plate, priors);
+        (self.places_m, self.mass_note) = proposed(&plate, priors);
         self.calipers = calipers;
         Ok(())
     }
@@ -92,6 +94,13 @@ impl CalibrationWizard {
     #[must_use]
     pub fn places_m(&self) -> [f64; 2] {
         self.places_m
+    }
+
+    /// What a sensor that stands on the plate may weigh at these places, as a sentence; `None` where the plate file does not state
+    /// what this needs.
+    #[must_use]
+    pub fn mass_note(&self) -> Option<&str> {
+        self.mass_note.as_deref()
     }
 
     /// The measured response at the first (0) or second (1) place.
@@ -149,10 +158,10 @@ impl CalibrationWizard {
 mod tests;
 
 /// The proposed places of a displacement sensor on a plate, metres.
-fn proposed_m(plate: &Plate, priors: Priors) -> [f64; 2] {
+fn proposed(plate: &Plate, priors: Priors) -> ([f64; 2], Option<String>) {
     let placing = Placing { points: Wanted::of(plate).points, priors, ..Placing::default() };
     match SensorPlaces::of(plate, &placing) {
-        Ok(places) => places.best.places_m,
-        Err(_) => PLACES.map(|share| share * plate.length_m()),
+        Ok(places) => (places.best.places_m, places.mass_note()),
+        Err(_) => (PLACES.map(|share| share * plate.length_m()), None),
     }
 }

@@ -96,7 +96,7 @@ class Device:
         Leave the plate untouched until it returns. ``max_rise_db``: the largest rise of a tone, 0 to 20 dB. Raises
         ``TimeoutError`` after ``timeout`` seconds.
         """
-    def measure(self, /, place_m: SupportsFloat | SupportsIndex | None = None, kind: str = "displacement", input: str = "sensor", *, points: SupportsIndex | None = None, low_hz: SupportsFloat | SupportsIndex | None = None, high_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex | None = None, sweep: bool = False, amplifier_v: SupportsFloat | SupportsIndex | None = None, coil_ohm: SupportsFloat | SupportsIndex | None = None, piezo_f: SupportsFloat | SupportsIndex | None = None, shunt_a: SupportsFloat | SupportsIndex | None = None) -> Measurement:
+    def measure(self, /, place_m: SupportsFloat | SupportsIndex | None = None, kind: str = "displacement", input: str = "sensor", *, points: SupportsIndex | None = None, low_hz: SupportsFloat | SupportsIndex | None = None, high_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex | None = None, sweep: bool = False, amplifier_v: SupportsFloat | SupportsIndex | None = None, coil_ohm: SupportsFloat | SupportsIndex | None = None, piezo_f: SupportsFloat | SupportsIndex | None = None, shunt_a: SupportsFloat | SupportsIndex | None = None, sensor_mass_kg: SupportsFloat | SupportsIndex = 0.0, sensor_width_m: SupportsFloat | SupportsIndex = 0.0) -> Measurement:
         """
         Measures the response of the sensor at ``place_m`` to the device's tones; arms the device, and disarms it then, also where
         it fails or another thread stops it.
@@ -104,7 +104,8 @@ class Device:
         ``kind``: what the sensor measures; ``input``: ``"sensor"``, or ``"current"`` of the drive, which has no place. ``points``
         frequencies lie from ``low_hz`` to ``high_hz``; ``level`` is 0 to 1; ``sweep`` plays a gliding tone. By the drive circuit,
         the amplifier's volts and the shunt's amperes at full scale and the coil's resistance or the piezo's capacitance, quiet tones
-        check that the drive is on.
+        check that the drive is on. ``sensor_mass_kg`` and ``sensor_width_m`` are those of a sensor that stands on the plate; the
+        sensor of the simulated device has none.
         """
     def open(self, /) -> Device:
         """
@@ -203,14 +204,15 @@ class Measurement:
         Frequencies, Hz, rising: an array of shape (points,), as are the others.
         """
     @classmethod
-    def from_arrays(cls, /, frequency_hz: ArrayLike, response: ArrayLike, *, place_m: SupportsFloat | SupportsIndex, sensor: str = "displacement", noise: ArrayLike | None = None, snr_db: SupportsFloat | SupportsIndex | None = None, unit_per_response: SupportsFloat | SupportsIndex | None = None, sample_rate_hz: SupportsFloat | SupportsIndex | None = None, place_tolerance_m: SupportsFloat | SupportsIndex | None = None, headroom_db: ArrayLike | None = None) -> Measurement:
+    def from_arrays(cls, /, frequency_hz: ArrayLike, response: ArrayLike, *, place_m: SupportsFloat | SupportsIndex, sensor: str = "displacement", noise: ArrayLike | None = None, snr_db: SupportsFloat | SupportsIndex | None = None, unit_per_response: SupportsFloat | SupportsIndex | None = None, sample_rate_hz: SupportsFloat | SupportsIndex | None = None, place_tolerance_m: SupportsFloat | SupportsIndex | None = None, headroom_db: ArrayLike | None = None, sensor_mass_kg: SupportsFloat | SupportsIndex = 0.0, sensor_width_m: SupportsFloat | SupportsIndex = 0.0) -> Measurement:
         """
         A measurement of arrays: complex ``response`` at rising ``frequency_hz``, 8 to 10 000 of them.
 
         ``response`` is the sensor's signal over the DAC's amplitude, see the class; of an instrument that uses ``e^(+j omega t)`` it
         is the complex conjugate. ``place_m`` is the sensor's place, ``sensor`` what it measures. The noise is the standard deviation
         of the real and of the imaginary part, a number or a series, ``noise``, or ``snr_db`` below the RMS of the responses.
-        ``sample_rate_hz`` is that of a DAC with a zero-order hold.
+        ``sample_rate_hz`` is that of a DAC with a zero-order hold. ``sensor_mass_kg`` (to 0.1, within a fifth) and
+        ``sensor_width_m`` are those of a sensor that stands on the plate and lessens the motion that it measures.
 
         Raises ``OutOfRange``.
         """
@@ -269,6 +271,16 @@ class Measurement:
     def sensor(self, /) -> str:
         """
         What the sensor measures: displacement, velocity, acceleration or strain.
+        """
+    @property
+    def sensor_mass_kg(self, /) -> float:
+        """
+        Mass of the sensor, kg; 0 for one that does not touch the plate.
+        """
+    @property
+    def sensor_width_m(self, /) -> float:
+        """
+        Side of the square on which a sensor with a mass stands, metres.
         """
     @property
     def source(self, /) -> str | None:

@@ -70,8 +70,8 @@ def of_measurement(measurement: Any) -> Any:
     import xarray
 
     attributes = {name: getattr(measurement, name) for name in ("place_m", "place_tolerance_m", "sensor")}
-    for name in ("unit_per_response", "sample_rate_hz"):
-        if getattr(measurement, name) is not None:
+    for name in ("unit_per_response", "sample_rate_hz", "sensor_mass_kg", "sensor_width_m"):
+        if getattr(measurement, name):
             attributes[name] = getattr(measurement, name)
     names = ("response", "noise", "headroom_db")
     found = xarray.Dataset(

@@ -417,6 +417,8 @@ class Design(Result):
 
     _nested = {"check": "Check", "damper": "DesignDamper", "highest": "DesignHighest", "lowest": "DesignHighest"}
 
+    caution: str | None
+    """A caution that no measurement reveals and the user must check."""
     check: Check | None
     damper: DesignDamper | None
     end_half_width_m: float

@@ -116,11 +116,12 @@ impl Measurement {
     /// ``response`` is the sensor's signal over the DAC's amplitude, see the class; of an instrument that uses ``e^(+j omega t)`` it
     /// is the complex conjugate. ``place_m`` is the sensor's place, ``sensor`` what it measures. The noise is the standard deviation
     /// of the real and of the imaginary part, a number or a series, ``noise``, or ``snr_db`` below the RMS of the responses.
-    /// ``sample_rate_hz`` is that of a DAC with a zero-order hold.
+    /// ``sample_rate_hz`` is that of a DAC with a zero-order hold. ``sensor_mass_kg`` (to 0.1, within a fifth) and
+    /// ``sensor_width_m`` are those of a sensor that stands on the plate and lessens the motion that it measures.
     ///
     /// Raises ``OutOfRange``.
     #[classmethod]
-    #[pyo3(signature = (frequency_hz, response, *, place_m, sensor="displacement", noise=None, snr_db=None, unit_per_response=None, sample_rate_hz=None, place_tolerance_m=None, headroom_db=None))]
+    #[pyo3(signature = (frequency_hz, response, *, place_m, sensor="displacement", noise=None, snr_db=None, unit_per_response=None, sample_rate_hz=None, place_tolerance_m=None, headroom_db=None, sensor_mass_kg=0.0, sensor_width_m=0.0))]
     #[expect(clippy::too_many_arguments, reason = "one for each property")]
     fn from_arrays(
         _class: &Bound<'_, PyType>,
@@ -134,6 +135,8 @@ impl Measurement {
         sample_rate_hz: Option<f64>,
         place_tolerance_m: Option<f64>,
         headroom_db: Option<ArrayLike<'_>>,
+        sensor_mass_kg: f64,
+        sensor_width_m: f64,
     ) -> PyResult<Self> {
         let frequencies_hz = frequency_hz.series("frequency_hz", POINTS_MAX)?;
         let count = frequencies_hz.len();
@@ -177,6 +180,8 @@ impl Measurement {
             place_tolerance_m,
             unit_per_response,
             sample_rate_hz,
+            sensor_mass_kg,
+            sensor_width_m,
             ..usual
         };
         measurement.check().map_err(|error| Failure::of(&error))?;
@@ -216,6 +221,18 @@ impl Measurement {
     #[getter]
     fn unit_per_response(&self) -> Option<f64> {
         self.inner.unit_per_response
+    }
+
+    /// Mass of the sensor, kg; 0 for one that does not touch the plate.
+    #[getter]
+    fn sensor_mass_kg(&self) -> f64 {
+        self.inner.sensor_mass_kg
+    }
+
+    /// Side of the square on which a sensor with a mass stands, metres.
+    #[getter]
+    fn sensor_width_m(&self) -> f64 {
+        self.inner.sensor_width_m
     }
 
     /// Sample rate of the DAC that played the tones, Hz; ``None`` for a source without a hold.

@@ -244,7 +244,8 @@ pub(super) fn finger(text: &str) -> Result<FingerArgument, String> {
                 place_m,
                 resistance_n_s_per_m: with_unit(&resistance, "Ns/m", |text| quantity::plain(text, "Ns/m"))
                     .map_err(|error| format!("its resistance: {error}"))?,
-                mass_kg: with_unit(mass, "g", mass_kg).map_err(|error| format!("its mass: {error}"))?,
+                mass_kg: with_unit(mass, "g", quantity::mass_kg)
+                    .map_err(|error| format!("its mass: {error}"))?,
                 contact_m: length_m(width).map_err(|error| format!("its width: {error}"))?,
             })
         }
@@ -252,13 +253,9 @@ pub(super) fn finger(text: &str) -> Result<FingerArgument, String> {
     Ok(FingerArgument(finger))
 }
 
-/// Parses a mass.
-fn mass_kg(text: &str) -> Result<f64, QuantityError> {
-    let scaled = [("mg", 1e-6), ("kg", 1.0), ("g", 1e-3)];
-    match scaled.iter().find(|(unit, _)| text.ends_with(unit)) {
-        Some((unit, scale)) => quantity::plain(text, unit).map(|number| number * scale),
-        None => quantity::plain(text, "kg"),
-    }
+/// Parses a mass with its unit.
+pub(super) fn mass(text: &str) -> Result<f64, QuantityError> {
+    has_unit(text, "g").and_then(|()| quantity::mass_kg(text))
 }
 
 /// A plate by the name of a preset, or from a TOML file.

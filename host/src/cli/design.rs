@@ -163,6 +163,9 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
         for (name, text) in summary(&designed) {
             writeln!(out, "# {name:<21} {text}")?;
         }
+        if let Some(caution) = designed.caution() {
+            writeln!(out, "# caution: {caution}")?;
+        }
         match &lights {
             Ok(report) => {
                 for light in report.lights.iter().filter(|light| light.colour > Colour::Green) {

@@ -5,7 +5,7 @@ use super::destination::{Destination, ForceArgument};
 use super::device::ArmingArgument;
 use super::failure::Failure;
 use super::known_drive::KnownDriveArgument;
-use super::measured_file::kind;
+use super::measured_file::{BodyArgument, kind};
 use super::measuring::{BandArgument, ByDevice};
 use super::output;
 use super::rig::PortArgument;
@@ -37,6 +37,8 @@ pub struct MeasureArguments {
     /// What the sensor measures: displacement, velocity, acceleration or strain.
     #[arg(long, value_name = "KIND", value_parser = kind, default_value = "displacement")]
     kind: SensorKind,
+    #[command(flatten)]
+    body: BodyArgument,
     #[command(flatten)]
     band: BandArgument,
     /// Largest sum of all tones, over full scale, 0.001 to 1.
@@ -93,14 +95,16 @@ pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Fai
     let sensor = match (&arguments.sensor, arguments.input) {
         (_, Input::Current) => current_sensor(),
         (Some(place), Input::Sensor) => {
-            Sensor { place_m: place.of_sensor(&plate)?, kind: arguments.kind, input: 0 }
+            let body = arguments.body.body()?;
+            Sensor { place_m: place.of_sensor(&plate)?, kind: arguments.kind, input: 0, body }
         }
         (None, Input::Sensor) => {
             return Err(Failure::usage("--sensor PLACE is missing: the sensor's place, from the driven end"));
         }
     };
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
-    let options = RigOptions { place_m: sensor.place_m, sensor: sensor.kind, ..RigOptions::default() };
+    let Sensor { place_m, kind, body, .. } = sensor;
+    let options = RigOptions { place_m, sensor: kind, body, ..RigOptions::default() };
     let rig = arguments.port.rig_with_sensor(&plate, &options)?;
     let request = arguments.band.request(Some(arguments.level), arguments.known.stated()?);
     let by = ByDevice { port: &arguments.port, request, arming: &arguments.arming };

@@ -11,7 +11,9 @@ use slipline_instrument::measured_file::{
 };
 use slipline_model::answer::calibrate::FileReadAnswer;
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{FileError, Measurement, SNR, SNR_DB, SensorKind, band_hz};
+use slipline_plate::calibrate::{
+    FileError, Measurement, SENSOR_MASS, SENSOR_WIDTH, SNR, SNR_DB, SensorBody, SensorKind, band_hz,
+};
 use slipline_plate::quantity::{Measure, QuantityError, must_be, only, plain};
 use slipline_plate::text_table::{Chosen, chosen};
 use std::fmt::Display;
@@ -29,6 +31,8 @@ pub(super) struct SensorArgument {
     /// default is displacement.
     #[arg(long, value_name = "KIND", value_parser = kind)]
     pub(super) kind: Option<SensorKind>,
+    #[command(flatten)]
+    pub(super) body: BodyArgument,
     /// Signal-to-noise ratio of a file that states no noise, 0 to 140 dB.
     #[arg(long, value_name = "RATIO", value_parser = argument::within(decibel, Measure::Plain("dB"), (SNR.low, SNR.high)), allow_hyphen_values = true, default_value_t = SNR_DB)]
     snr: f64,
@@ -39,6 +43,27 @@ pub(super) struct SensorArgument {
     columns: Vec<ChosenColumns>,
     #[command(flatten)]
     recording: RecordingArgument,
+}
+
+/// What the sensor weighs.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Sensor")]
+pub(super) struct BodyArgument {
+    /// Mass of a sensor that stands on the plate (50mg), within a fifth: it lessens the motion that it measures. Without it, 0
+    /// or that of the file.
+    #[arg(long, value_name = "MASS", value_parser = argument::within(argument::mass, Measure::Plain("kg"), (SENSOR_MASS.low, SENSOR_MASS.high)), allow_hyphen_values = true, requires = "sensor_width")]
+    sensor_mass: Option<f64>,
+    /// Side of the square on which such a sensor stands (4mm).
+    #[arg(long, value_name = "WIDTH", value_parser = argument::length(SENSOR_WIDTH), allow_hyphen_values = true, requires = "sensor_mass")]
+    sensor_width: Option<f64>,
+}
+
+impl BodyArgument {
+    /// The body; `None` without a mass.
+    pub(super) fn body(&self) -> Result<Option<SensorBody>, Failure> {
+        let (mass_kg, width_m) = (self.sensor_mass.unwrap_or(0.0), self.sensor_width.unwrap_or(0.0));
+        SensorBody::new(mass_kg, width_m).map_err(Failure::refused)
+    }
 }
 
 /// The columns of a table.
@@ -124,7 +149,10 @@ pub(super) fn measurements(
         };
         files_read.measured(path, opened, stated)
     });
-    let measured = measured.collect::<Result<Vec<_>, Failure>>()?;
+    let mut measured = measured.collect::<Result<Vec<_>, Failure>>()?;
+    if let Some(body) = sensor.body.body()? {
+        measured = measured.into_iter().map(|it| it.by(Some(body))).collect();
+    }
     match places.count() {
         0 => Ok((measured, files_read.understood)),
         more => {

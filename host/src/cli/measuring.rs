@@ -157,7 +157,8 @@ pub(super) fn at_places(
         let tolerance_m = Measurement::at(near_m, kind, Vec::new()).place_tolerance_m;
         check_places([near_m, far_m], [tolerance_m; 2]).map_err(Failure::failed)?;
     }
-    let options = RigOptions { place_m, sensor: kind, ..RigOptions::default() };
+    let body = sensor.body.body()?;
+    let options = RigOptions { place_m, sensor: kind, body, ..RigOptions::default() };
     let rig = by.port.rig_with_sensor(plate, &options)?;
     if rig.is_none() && is_standard_input_taken() {
         let why = "the sensor's places are confirmed on standard input, which is a file of this command: name a file";
@@ -167,7 +168,7 @@ pub(super) fn at_places(
     let (measurer, _) = by.measurer(&device, plate, rig.as_ref())?;
     let measure = |&place_m: &f64| {
         put_sensor(&device, rig.as_ref(), place_m)?;
-        let measured = measurer.measure(Sensor { place_m, kind, input: 0 })?;
+        let measured = measurer.measure(Sensor { place_m, kind, input: 0, body })?;
         for warning in &measured.warnings {
             output::note(format_args!(
                 "slipline: the sensor at {}: {}",

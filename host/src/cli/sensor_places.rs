@@ -56,6 +56,8 @@ fn value(plate: &Plate, places: &SensorPlaces, asked: Option<&Asked>) -> Value {
         "nearest_by": limit(places.limit),
         "best": of_pair(&places.best),
         "pairs": places.pairs.iter().map(of_pair).collect::<Vec<_>>(),
+        "sensor_masses": places.both_bear(),
+        "caution": places.caution(),
         "asked": asked.map(|asked| json!({
             "pair": asked.reach.as_ref().map(of_pair),
             "warnings": asked.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
@@ -83,6 +85,8 @@ fn lines<'a>(plate: &Plate, places: &SensorPlaces, asked: Option<&Asked>) -> Vec
         ("Would reach", reach(&places.best)),
         ("Nearest place", nearest),
     ];
+    lines.extend(places.mass_note().map(|note| ("Mass", note)));
+    lines.extend(places.caution().map(|caution| ("Caution", caution)));
     if let Some(asked) = asked {
         let there = asked.reach.as_ref();
         let reaches =

@@ -4,7 +4,7 @@ use super::argument::{self, PlateArgument};
 use super::destination::{Destination, ForceArgument};
 use super::device::ArmingArgument;
 use super::failure::Failure;
-use super::measured_file::kind;
+use super::measured_file::{BodyArgument, kind};
 use super::measuring::{BandArgument, ByDevice, Measurer};
 use super::output;
 use super::rig::PortArgument;
@@ -36,6 +36,8 @@ pub struct TrimArguments {
     #[arg(long, value_name = "KIND", value_parser = kind, default_value = "displacement")]
     kind: SensorKind,
     #[command(flatten)]
+    body: BodyArgument,
+    #[command(flatten)]
     band: BandArgument,
     /// Largest sum of all tones, over full scale, 0.001 to 1.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
@@ -58,13 +60,14 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
     let place_m = arguments.sensor.of_sensor(&plate)?;
     SpeedTrim::check(&plate).map_err(Failure::failed)?;
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
-    let options = RigOptions { place_m, sensor: arguments.kind, ..RigOptions::default() };
+    let body = arguments.body.body()?;
+    let options = RigOptions { place_m, sensor: arguments.kind, body, ..RigOptions::default() };
     let rig = arguments.port.rig_with_sensor(&plate, &options)?;
     let request = arguments.band.request(Some(arguments.level), None);
     let by = ByDevice { port: &arguments.port, request, arming: &arguments.arming };
     let device = by.connect(rig.as_ref())?;
     let measurer = Measurer::new(&device, &plate, &request)?;
-    let sensor = Sensor { place_m, kind: arguments.kind, input: 0 };
+    let sensor = Sensor { place_m, kind: arguments.kind, input: 0, body };
     let first = measurer.measure(sensor)?.measurement;
     let mut trim = Trimming::begin(&plate, &first).map_err(Failure::failed)?;
     let save = |plate: &Plate| out.iter().try_for_each(|out| out.write_measured(&plate.to_toml()));

@@ -2,7 +2,7 @@
 
 use crate::rig::{PreparedRig, RigError, RigOptions};
 use slipline_model::jobs::Task;
-use slipline_plate::calibrate::SensorKind;
+use slipline_plate::calibrate::{SensorBody, SensorKind};
 use slipline_plate::{Finger, Plate};
 use std::sync::Arc;
 
@@ -23,6 +23,8 @@ pub struct RigJob {
     pub full_scale: Option<f64>,
     /// A finger that rests on the plate.
     pub finger: Option<Finger>,
+    /// What the sensor weighs.
+    pub body: Option<SensorBody>,
 }
 
 impl RigJob {
@@ -33,6 +35,7 @@ impl RigJob {
             && self.sensor == other.sensor
             && self.sample_rate_hz == other.sample_rate_hz
             && self.finger == other.finger
+            && self.body == other.body
     }
 }
 
@@ -51,8 +54,8 @@ pub fn work(job: RigJob, task: &Task) -> Option<RigPrepared> {
     if !task.report(0.0) {
         return None;
     }
-    let RigJob { place_m, sensor, full_scale, finger, .. } = job;
-    let options = RigOptions { place_m, sensor, full_scale, finger, ..RigOptions::default() };
+    let RigJob { place_m, sensor, full_scale, finger, body, .. } = job;
+    let options = RigOptions { place_m, sensor, full_scale, finger, body, ..RigOptions::default() };
     let result = PreparedRig::new(&job.truth, &options, job.sample_rate_hz);
     task.report(1.0).then_some(RigPrepared { job, result })
 }

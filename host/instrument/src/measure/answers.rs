@@ -16,7 +16,7 @@ use super::loudness::Tone;
 use slipline_link::protocol::listen::InputsReport;
 use slipline_model::response::{LIGHT_DB, light};
 use slipline_plate::Complex64;
-use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind, windows};
+use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorBody, SensorKind, windows};
 use slipline_plate::check::Colour;
 use slipline_plate::quantity::decibels;
 use slipline_plate::quantity::number_format::with_decimals;
@@ -42,6 +42,8 @@ pub struct Sensor {
     pub kind: SensorKind,
     /// The device's input, from 0.
     pub input: u8,
+    /// What it weighs; `None` for a sensor that does not touch the plate.
+    pub body: Option<SensorBody>,
 }
 
 impl Sensor {
@@ -238,7 +240,7 @@ impl Measured {
             (headroom_db > LIGHT_DB.1).then_some(Warning::Quiet { headroom_db }),
             (noise_codes < DITHER).then_some(Warning::NoDither { codes: noise_codes }),
         ];
-        let measured = Measurement::at(sensor.place_m, sensor.kind, points);
+        let measured = Measurement::at(sensor.place_m, sensor.kind, points).by(sensor.body);
         Self {
             measurement: Measurement { sample_rate_hz: Some(rate_hz), ..measured },
             headroom_db,

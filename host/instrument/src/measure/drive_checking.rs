@@ -57,7 +57,7 @@ impl Effort {
 /// The shunt as a sensor; its place and kind are not used.
 #[must_use]
 pub const fn current_sensor() -> Sensor {
-    Sensor { place_m: 0.0, kind: SensorKind::Displacement, input: CURRENT_INPUT }
+    Sensor { place_m: 0.0, kind: SensorKind::Displacement, input: CURRENT_INPUT, body: None }
 }
 
 /// The drive circuit by its data sheets, and the scale of its current in the device's input.

@@ -1,17 +1,17 @@
 //! Present state of the rig, shared by the device and its user.
 
 use super::fault::RigFault;
-use slipline_plate::Output;
+use super::standing::Standing;
 use std::fmt;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Present state of the rig.
 #[derive(Clone, serde::Serialize, serde::Deserialize)]
 pub(super) struct Bench {
     /// The mark where the sensor is placed, metres.
     pub(super) place_m: f64,
-    /// The sensor's signal at its present place.
-    pub(super) sensor: Arc<Output>,
+    /// The sensor at its present place.
+    pub(super) standing: Standing,
     pub(super) fault: Option<RigFault>,
 }
 

@@ -9,6 +9,9 @@ pub enum RigError {
     /// An option is out of range.
     #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
+    /// A finger and a sensor that weighs.
+    #[error("the sensor of a simulated plate on which a finger rests cannot weigh: leave out one of them")]
+    FingerAndBody,
     /// The plate cannot be simulated in time.
     #[error(transparent)]
     Line(#[from] LineError),

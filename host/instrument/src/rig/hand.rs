@@ -21,15 +21,15 @@ impl RigHand {
     }
 
     /// Puts the sensor on a mark, metres from the driven end. The computation takes some milliseconds on the
-    /// calling thread.
+    /// calling thread, with a sensor that weighs up to a second.
     ///
     /// # Errors
     /// [`RigError`]: the mark is not on the plate. The sensor stays where it was.
     pub fn put_sensor(&self, place_m: f64) -> Result<(), RigError> {
         let fault = lock(&self.bench).fault;
-        let sensor = Arc::new(self.parts.sensor_at(place_m, fault)?);
+        let standing = self.parts.sensor_at(place_m, fault)?;
         let mut bench = lock(&self.bench);
-        (bench.place_m, bench.sensor) = (place_m, sensor);
+        (bench.place_m, bench.standing) = (place_m, standing);
         Ok(())
     }
 
@@ -59,9 +59,9 @@ impl RigHand {
             _ => {}
         }
         let place_m = self.place_m();
-        let sensor = Arc::new(self.parts.sensor_at(place_m, fault)?);
+        let standing = self.parts.sensor_at(place_m, fault)?;
         let mut bench = lock(&self.bench);
-        (bench.fault, bench.sensor) = (fault, sensor);
+        (bench.fault, bench.standing) = (fault, standing);
         Ok(())
     }
 

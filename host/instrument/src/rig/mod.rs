@@ -20,6 +20,7 @@ mod options;
 mod parts;
 mod prepared;
 mod sampler;
+mod standing;
 
 pub use copy::{RigCopy, RigState};
 pub use error::RigError;

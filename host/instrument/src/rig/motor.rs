@@ -20,11 +20,13 @@ const COIL_OHM: f64 = 4.0;
 const ELECTRICAL_SHARE: f64 = 0.5;
 /// Voltage of a piezo at DAC full scale.
 const PIEZO_V: f64 = 60.0;
-/// Ratio of a piezo's capacitive current to the current by the free wave's motion.
+/// Least ratio of a piezo's capacitive current to the current by the free wave's motion, and to that by the plate's motion in the band
+/// of the drive check. A plate that is soft below its cut-off would be taken for another piezo.
 const CAPACITIVE: f64 = 6.0;
+const CAPACITIVE_HELD: f64 = 4.0;
 
 /// How a motor turns current and voltage into force and motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Transducer {
     /// A coil in a magnet's field.
     Coil {
@@ -43,7 +45,7 @@ pub enum Transducer {
 }
 
 /// A motor behind an amplifier of constant voltage.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Motor {
     /// Its kind and values.
     pub transducer: Transducer,
@@ -82,6 +84,17 @@ impl Motor {
             transducer: Transducer::Coil { resistance_ohm: COIL_OHM, force_factor_n_per_a },
             full_scale_v: force_n * COIL_OHM / force_factor_n_per_a,
         }
+    }
+
+    /// The same on a plate whose driven end moves by at most `deflection_m` at full scale in the band of the drive check: a piezo is
+    /// so large that its own current outweighs that of the motion.
+    #[must_use]
+    pub(super) fn on_plate_that_yields(self, deflection_m: f64) -> Self {
+        let Transducer::Piezo { capacitance_f, force_factor_n_per_v } = self.transducer else { return self };
+        let least_f = CAPACITIVE_HELD * force_factor_n_per_v * deflection_m / self.full_scale_v;
+        let transducer =
+            Transducer::Piezo { capacitance_f: capacitance_f.max(least_f), force_factor_n_per_v };
+        Self { transducer, ..self }
     }
 
     /// Band of the drive check, as shares of the plate's cut-off: there the plate hardly moves.

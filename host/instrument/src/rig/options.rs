@@ -2,7 +2,7 @@
 
 use super::error::RigError;
 use slipline_plate::Finger;
-use slipline_plate::calibrate::SensorKind;
+use slipline_plate::calibrate::{SensorBody, SensorKind};
 use slipline_plate::quantity::OutOfRange;
 
 /// The ranges of the options.
@@ -36,6 +36,8 @@ pub struct RigOptions {
     pub seed: u64,
     /// A finger that rests on the plate.
     pub finger: Option<Finger>,
+    /// What the sensor weighs; none while a finger rests on the plate.
+    pub body: Option<SensorBody>,
 }
 
 impl Default for RigOptions {
@@ -48,6 +50,7 @@ impl Default for RigOptions {
             noise_lsb: 0.7,
             seed: 1,
             finger: None,
+            body: None,
         }
     }
 }
@@ -60,6 +63,12 @@ impl RigOptions {
         }
         OutOfRange::check("sensor delay", self.sensor_delay_s, limits::SENSOR_DELAY)?;
         OutOfRange::check("noise", self.noise_lsb, limits::NOISE)?;
+        if let Some(body) = self.body {
+            SensorBody::new(body.mass_kg, body.width_m)?;
+            if self.finger.is_some() {
+                return Err(RigError::FingerAndBody);
+            }
+        }
         Ok(())
     }
 }

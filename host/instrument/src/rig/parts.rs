@@ -2,9 +2,11 @@
 
 use super::error::RigError;
 use super::fault::RigFault;
+use super::motor::Motor;
 use super::sampler::Signals;
-use slipline_plate::calibrate::SensorKind;
-use slipline_plate::{Output, SensedPlate};
+use super::standing::{Standing, Weighed};
+use slipline_plate::calibrate::{SensorBody, SensorKind};
+use slipline_plate::{Complex64, Output, SenseError, SensedPlate};
 use std::fmt;
 use std::sync::Arc;
 
@@ -12,12 +14,22 @@ use std::sync::Arc;
 #[derive(serde::Serialize, serde::Deserialize)]
 pub(super) struct Parts {
     pub(super) plate: SensedPlate,
+    pub(super) motor: Motor,
     /// The quantity that the sensor shows.
     pub(super) sensor: SensorKind,
     /// What a device samples.
     pub(super) signals: Arc<Signals>,
     /// The fraction of a sample of the sensor's delay, seconds.
     pub(super) late_s: f64,
+    /// What the sensor weighs.
+    pub(super) body: Option<SensorBody>,
+}
+
+/// The current through the shunt of a motor on this plate.
+pub(super) fn current_of(motor: &Motor, plate: &SensedPlate) -> Result<Output, SenseError> {
+    let actuator = plate.plate().spec().actuator.as_ref();
+    let amplifier = |hz: f64| actuator.map_or(Complex64::ONE, |actuator| actuator.response(hz));
+    plate.with_held_drive_point(motor.held(), |hz, velocity| motor.current_a(hz, amplifier(hz), velocity))
 }
 
 impl fmt::Debug for Parts {
@@ -29,14 +41,22 @@ impl fmt::Debug for Parts {
 }
 
 impl Parts {
-    /// The output of the sensor on a mark.
-    pub(super) fn sensor_at(&self, place_m: f64, fault: Option<RigFault>) -> Result<Output, RigError> {
+    /// The sensor on a mark.
+    pub(super) fn sensor_at(&self, place_m: f64, fault: Option<RigFault>) -> Result<Standing, RigError> {
         let length_m = self.plate.plate().length_m();
         let off_m = match fault {
             Some(RigFault::OffItsMark(off_m)) if (0.0..=length_m).contains(&place_m) => off_m,
             _ => 0.0,
         };
         let stands_m = if off_m == 0.0 { place_m } else { (place_m + off_m).clamp(0.0, length_m) };
-        Ok(self.plate.sensor(self.sensor, stands_m, self.late_s)?)
+        let Some(body) = self.body else {
+            let sensor = Arc::new(self.plate.sensor(self.sensor, stands_m, self.late_s)?);
+            return Ok(Standing { sensor, weighed: None });
+        };
+        let plate =
+            SensedPlate::new(self.plate.plate(), Some(&body.at(stands_m)), self.plate.sample_rate_hz())?;
+        let sensor = Arc::new(plate.sensor(self.sensor, stands_m, self.late_s)?);
+        let current = current_of(&self.motor, &plate)?;
+        Ok(Standing { sensor, weighed: Some(Arc::new(Weighed { at_rest: plate.at_rest(), current })) })
     }
 }

@@ -5,7 +5,7 @@ use super::error::RigError;
 use super::hand::RigHand;
 use super::motor::{Motor, Transducer};
 use super::options::RigOptions;
-use super::parts::Parts;
+use super::parts::{Parts, current_of};
 use super::sampler::{Sampler, Signals};
 use crate::measure::KnownDrive;
 use slipline_link::simulator::SimulatedInputs;
@@ -73,10 +73,8 @@ impl PreparedRig {
         let plate = SensedPlate::new(truth, options.finger.as_ref(), sample_rate_hz)?;
         let late = options.sensor_delay_s * sample_rate_hz;
         let motor = Motor::of(truth);
-        let amplifier =
-            |hz: f64| truth.spec().actuator.as_ref().map_or(Complex64::ONE, |actuator| actuator.response(hz));
-        let at = |hz: f64, velocity: Complex64| motor.current_a(hz, amplifier(hz), velocity);
-        let current = plate.with_held_drive_point(motor.held(), at)?;
+        let motor = motor.on_plate_that_yields(plate.held_drive_point_m(motor.held()));
+        let current = current_of(&motor, &plate)?;
         let (low_hz, high_hz) = truth.band_hz();
         let largest_a = (0..=CURRENTS)
             .map(|i| low_hz + (high_hz - low_hz) * f64::from(i) / f64::from(CURRENTS))
@@ -93,9 +91,16 @@ impl PreparedRig {
             noise_lsb: options.noise_lsb,
         };
         let late_s = late.fract() / sample_rate_hz;
-        let parts = Parts { plate, sensor: options.sensor, signals: Arc::new(signals), late_s };
-        let sensor = Arc::new(parts.sensor_at(options.place_m, None)?);
-        let bench = Bench { place_m: options.place_m, sensor, fault: None };
+        let parts = Parts {
+            plate,
+            motor,
+            sensor: options.sensor,
+            signals: Arc::new(signals),
+            late_s,
+            body: options.body,
+        };
+        let standing = parts.sensor_at(options.place_m, None)?;
+        let bench = Bench { place_m: options.place_m, standing, fault: None };
         Ok(Self { parts: Arc::new(parts), bench: Arc::new(Mutex::new(bench)) })
     }
 
@@ -117,6 +122,12 @@ impl PreparedRig {
         self.parts.plate.plate()
     }
 
+    /// The motor that drives it.
+    #[must_use]
+    pub fn motor(&self) -> Motor {
+        self.parts.motor
+    }
+
     /// Sensor value at the end of the input's range, in metres, m/s, m/s^2 or strain.
     #[must_use]
     pub fn sensor_full_scale(&self) -> f64 {
@@ -132,7 +143,7 @@ impl PreparedRig {
     /// Data-sheet values of the drive, and the shunt's range.
     #[must_use]
     pub fn known_drive(&self) -> KnownDrive {
-        let motor = Motor::of(self.truth());
+        let motor = self.motor();
         let [of_coil, of_piezo] = TOLERANCES;
         let (load, tolerance) = match motor.transducer {
             Transducer::Coil { resistance_ohm, .. } => (DriveLoad::Coil { resistance_ohm }, of_coil),

@@ -3,6 +3,7 @@
 use super::bench::{Bench, lock};
 use super::converter::{HALF, code};
 use super::fault::RigFault;
+use super::standing::Weighed;
 use slipline_link::BLOCK;
 use slipline_link::simulator::SimulatedInputs;
 use slipline_plate::truth::Random;
@@ -38,6 +39,8 @@ pub(super) struct Sampler {
     signals: Arc<Signals>,
     bench: Arc<Mutex<Bench>>,
     resonators: Resonators,
+    /// The plate that they are of, where a sensor weighs on it.
+    weighed: Option<Arc<Weighed>>,
     /// Ring buffer of the sensor's signals during its delay.
     late: Vec<f64>,
     /// Index of the oldest signal in it.
@@ -47,13 +50,27 @@ pub(super) struct Sampler {
 
 impl Sampler {
     pub(super) fn new(signals: Arc<Signals>, bench: Arc<Mutex<Bench>>) -> Self {
+        let weighed = lock(&bench).standing.weighed.clone();
         Self {
-            resonators: signals.at_rest.clone(),
+            resonators: weighed.as_ref().map_or(&signals.at_rest, |it| &it.at_rest).clone(),
+            weighed,
             late: vec![0.0; signals.late],
             oldest: 0,
             random: Random::new(signals.seed),
             signals,
             bench,
+        }
+    }
+
+    /// A sensor that weighs was put elsewhere: the plate under it is another one, and at rest.
+    fn stand_under(&mut self, weighed: Option<Arc<Weighed>>) {
+        let is_same = match (&self.weighed, &weighed) {
+            (Some(before), Some(now)) => Arc::ptr_eq(before, now),
+            (before, now) => before.is_none() && now.is_none(),
+        };
+        if !is_same {
+            self.resonators = weighed.as_ref().map_or(&self.signals.at_rest, |it| &it.at_rest).clone();
+            self.weighed = weighed;
         }
     }
 
@@ -80,12 +97,14 @@ impl SimulatedInputs for Sampler {
     }
 
     fn sample(&mut self, codes: &[u16; BLOCK], muted: bool, sensed: &mut [[u16; BLOCK]; 2]) {
-        let Bench { sensor, fault, .. } = lock(&self.bench).clone();
+        let Bench { standing, fault, .. } = lock(&self.bench).clone();
+        self.stand_under(standing.weighed);
         let volts = if muted { 0.0 } else { fault.map_or(1.0, RigFault::drive) };
         let drive = |volts: f64| codes.map(|code| volts * (f64::from(code) - HALF) / HALF);
         let mut signals = [[0.0; BLOCK]; 2];
         let [of_sensor, of_shunt] = &mut signals;
-        self.resonators.run(&drive(volts), [&*sensor, &self.signals.current], [of_sensor, of_shunt]);
+        let current = self.weighed.as_ref().map_or(&self.signals.current, |it| &it.current);
+        self.resonators.run(&drive(volts), [&*standing.sensor, current], [of_sensor, of_shunt]);
         self.delay(&mut signals[0]);
         let [full_scale, full_scale_a] = self.signals.full_scale;
         let gain = match fault {

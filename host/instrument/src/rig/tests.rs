@@ -2,10 +2,11 @@ use super::*;
 use slipline_link::BLOCK;
 use slipline_link::simulator::SimulatedInputs;
 use slipline_plate::calibrate::{
-    DriveCheck, MeasuredPoint, Measurement, SensorKind, check_drive, drive_check_hz,
+    DriveCheck, MeasuredPoint, Measurement, SensorBody, SensorKind, check_drive, drive_check_hz,
 };
 use slipline_plate::{
-    Complex64, DriveEnd, Equation, Impedance, Source, TurningWidth, preset, presets, respond,
+    Air, AirMounting, Complex64, DriveEnd, Equation, Faces, Gas, Impedance, PlateSpec, Source, TurningWidth,
+    preset, presets, respond, respond_touched,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -90,10 +91,9 @@ fn codes_of_sensor_and_shunt_match_the_frequency_domain_on_a_secret_plate() {
         let sensor = velocity(field[500]) * Complex64::cis(TAU * hz * delay_s) / rig.sensor_full_scale();
         assert_close(name, amplitude(&heard[0], hz, first), sensor * per_code);
         let amplifier = truth.spec().actuator.as_ref().expect("drawn").response(hz);
-        let current =
-            Motor::of(&truth).current_a(hz, amplifier, velocity(field[0])) / rig.shunt_full_scale_a();
+        let current = rig.motor().current_a(hz, amplifier, velocity(field[0])) / rig.shunt_full_scale_a();
         assert_close(&format!("{name}, shunt"), amplitude(&heard[1], hz, first), current * per_code);
-        let nominal = Motor::of(&truth).current_a(hz, amplifier, Complex64::ZERO) / rig.shunt_full_scale_a();
+        let nominal = rig.motor().current_a(hz, amplifier, Complex64::ZERO) / rig.shunt_full_scale_a();
         assert!((current / nominal - 1.0).norm() > 0.02, "{name}: the shunt sees the plate");
     }
 }
@@ -108,7 +108,7 @@ fn the_power_at_the_shunt_equals_the_losses_of_coil_source_and_plate() {
     spec.drive_end = DriveEnd::Source(source);
     let plate = Plate::new(spec).expect("a plate");
     let rig = rig(&plate, RigOptions::default());
-    let motor = Motor::of(&plate);
+    let motor = rig.motor();
     let Transducer::Coil { resistance_ohm, force_factor_n_per_a } = motor.transducer else {
         panic!("a membrane has a coil")
     };
@@ -250,19 +250,67 @@ fn every_preset_and_its_secrets_have_a_rig_whose_drive_is_on() {
         for truth in [0, 1, 3, 6].map(|seed| secret(&nominal, seed)).into_iter().chain([Ok(nominal.clone())])
         {
             let truth = truth.expect("a plate");
-            let options = RigOptions { place_m: 0.55 * truth.length_m(), ..RigOptions::default() };
-            let made = PreparedRig::new(&truth, &options, RATE_HZ);
-            let rig = made.unwrap_or_else(|error| panic!("{}: {error:?}", preset.name));
-            let circuit = rig.known_drive().circuit;
-            let point = |frequency_hz| MeasuredPoint {
-                frequency_hz,
-                response: rig.current(frequency_hz),
-                noise: 1e-6 * rig.shunt_full_scale_a(),
-                headroom_db: Some(20.0),
-            };
-            let points = drive_check_hz(&truth, &circuit.load).into_iter().map(point).collect();
-            let current = Measurement::at(0.0, SensorKind::Displacement, points);
-            assert_eq!(check_drive(&truth, &circuit, &current), Ok(DriveCheck::On), "{}", preset.name);
+            assert_eq!(checked(&truth), Ok(DriveCheck::On), "{}", preset.name);
+        }
+    }
+}
+
+/// The drive check of a rig on this plate.
+fn checked(truth: &Plate) -> Result<DriveCheck, RigError> {
+    let options = RigOptions { place_m: 0.55 * truth.length_m(), ..RigOptions::default() };
+    let rig = PreparedRig::new(truth, &options, RATE_HZ)?;
+    let circuit = rig.known_drive().circuit;
+    let point = |frequency_hz| MeasuredPoint {
+        frequency_hz,
+        response: rig.current(frequency_hz),
+        noise: 1e-6 * rig.shunt_full_scale_a(),
+        headroom_db: Some(20.0),
+    };
+    let points = drive_check_hz(truth, &circuit.load).into_iter().map(point).collect();
+    let current = Measurement::at(0.0, SensorKind::Displacement, points);
+    let check = check_drive(truth, &circuit, &current).expect("a circuit and a current");
+    println!("{} {:?} {:?}", truth.name(), circuit.load, check);
+    Ok(check)
+}
+
+/// Below its cut-off a clamped strip of steel yields under its piezo: the motion's current counts as capacitance, which the data
+/// sheet of the piezo must outweigh.
+#[test]
+fn a_plate_that_is_soft_below_its_cut_off_has_a_piezo_that_outweighs_its_motion() {
+    let lead_in = include_str!("../../../plate/tests/cases/clamped_lead_in.toml");
+    let lead_in = Plate::from_toml(lead_in).expect("a plate");
+    let with = |source: Source| {
+        let spec = PlateSpec { drive_end: DriveEnd::Source(source), ..lead_in.spec().clone() };
+        Plate::new(spec).expect("valid")
+    };
+    let DriveEnd::Source(source) = lead_in.spec().drive_end else { panic!("a source") };
+    let bare = with(Source { lead_in: None, ..source });
+    let damper = Impedance { resistance_n_s_per_m: 2.0, ..source.impedance };
+    let damped = with(Source { impedance: damper, ..source });
+    for plate in [lead_in.clone(), bare, damped] {
+        let secrets = [0, 3].map(|seed| secret(&plate, seed).expect("a plate"));
+        for truth in secrets.into_iter().chain([plate]) {
+            assert_eq!(checked(&truth), Ok(DriveCheck::On));
+        }
+    }
+}
+
+/// A baffle's pressure at a distance, in the tail beyond a boundary, is what a rig does least well: it is still that of the plate.
+#[test]
+fn a_light_membrane_in_a_baffle_has_a_rig_with_its_sensor_at_every_place() {
+    let mounting = AirMounting::Baffle { faces: Faces::Two };
+    let air = Some(Air::Around { gas: Gas::ROOM, mounting });
+    for (name, seed) in [("latex-membrane", None), ("latex-membrane", Some(3)), ("membrane", Some(1))] {
+        let plate = preset(name).expect("a preset");
+        let plate = Plate::new(PlateSpec { air, ..plate.spec().clone() }).expect("valid");
+        let truth = seed.map_or_else(|| Ok(plate.clone()), |seed| secret(&plate, seed)).expect("a plate");
+        let options = RigOptions { place_m: 0.094, ..RigOptions::default() };
+        let rig = PreparedRig::new(&truth, &options, RATE_HZ);
+        let rig = rig.unwrap_or_else(|error| panic!("{name} {seed:?}: {error}"));
+        for place_m in [0.05, 0.12, 0.15, 0.198, 0.25] {
+            rig.hand()
+                .put_sensor(place_m)
+                .unwrap_or_else(|error| panic!("{name} {seed:?} {place_m}: {error}"));
         }
     }
 }
@@ -291,4 +339,40 @@ fn a_rig_is_printed_in_a_line_and_not_in_all_its_numbers() {
     let rig = rig(&nominal, RigOptions { place_m: 0.05, ..RigOptions::default() });
     let debug = format!("{rig:?} {:?}", rig.hand());
     assert!(debug.contains("place_m: 0.05") && debug.len() < 2000, "{} letters", debug.len());
+}
+
+/// A sensor that weighs takes its mass along: its signal is that of the plate with the mass under it, at either place.
+#[test]
+fn a_sensor_that_weighs_stands_on_the_plate_that_it_slows() {
+    let truth = secret(&preset("tungsten-membrane").expect("a preset"), 3).expect("a plate");
+    let hz = 0.5 * (truth.band_hz().0 + truth.band_hz().1);
+    // Whole periods in the codes that are read.
+    let hz = (hz / 6.25).round() * 6.25;
+    let body = SensorBody { mass_kg: 3e-5, width_m: 5e-3 };
+    let options = RigOptions { place_m: 0.1, body: Some(body), ..RigOptions::default() };
+    let rig = rig(&truth, options.clone());
+    let mut inputs = rig.inputs();
+    let codes = 900.0;
+    for (turn, place_m) in [0.1, 0.16].into_iter().enumerate() {
+        rig.hand().put_sensor(place_m).expect("on the plate");
+        let first = turn * 4000 * BLOCK;
+        play(&mut *inputs, hz, codes, first, 3500);
+        let heard = play(&mut *inputs, hz, codes, first + 3500 * BLOCK, 500);
+        let drive = truth.drive_response(hz) * truth.spec().full_scale_m;
+        let share = place_m / truth.length_m() * 4000.0;
+        let at = |finger: Option<&slipline_plate::Finger>| {
+            let field = respond_touched(&truth, finger, hz, 4001, Equation::Corrected).expect("in range");
+            let (left, t) = (share as usize, share.fract());
+            (field.amplitude[left] * (1.0 - t) + field.amplitude[left + 1] * t) * drive
+        };
+        let (bare, weighed) = (at(None), at(Some(&body.at(place_m))));
+        assert!((weighed / bare - 1.0).norm() > 0.03, "the mass counts: {bare} {weighed}");
+        let wanted = weighed / rig.sensor_full_scale() * codes * hold(hz);
+        let found = amplitude(&heard[0], hz, first + 3500 * BLOCK);
+        let ratio = found / wanted;
+        assert!((ratio - 1.0).norm() < 0.02, "{place_m}: {ratio}");
+    }
+    let finger = Some(slipline_plate::Finger::light(0.2));
+    let both = PreparedRig::new(&truth, &RigOptions { finger, ..options }, RATE_HZ);
+    assert!(matches!(both, Err(RigError::FingerAndBody)), "{both:?}");
 }

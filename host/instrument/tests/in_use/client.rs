@@ -109,7 +109,7 @@ fn a_client_sends_what_an_instrument_sends() {
     client.stop().unwrap();
     client.disarm().unwrap();
     let measurer = Measurer::new(&client, &setup.plate, &table, &MeasureRequest::default()).unwrap();
-    let sensor = Sensor { place_m: 0.03, kind: SensorKind::Displacement, input: 0 };
+    let sensor = Sensor { place_m: 0.03, kind: SensorKind::Displacement, input: 0, body: None };
     measurer.measure(sensor, |_| ()).unwrap();
     client.arm().unwrap();
     let at = client.play(Sounding::Drive(edit::drive(setup))).unwrap();

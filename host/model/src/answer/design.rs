@@ -42,6 +42,7 @@ pub struct DesignAnswer<'a> {
     pub damper: Damper,
     pub tension_n_per_m: Option<f64>,
     pub mounting: &'a str,
+    pub caution: Option<String>,
     pub check: Option<CheckAnswer<'a>>,
     pub not_checked: Option<String>,
 }
@@ -67,6 +68,7 @@ impl<'a> DesignAnswer<'a> {
             damper: designed.damper,
             tension_n_per_m: designed.tension_n_per_m,
             mounting: designed.mounting.sentence(),
+            caution: designed.caution(),
             check: lights.as_ref().ok().map(CheckAnswer::of),
             not_checked: lights.as_ref().err().map(ToString::to_string),
         }

@@ -54,9 +54,27 @@ pub enum CalibrateError {
     },
     /// The two measurements are not of one sensor.
     #[error(
-        "a ratio needs the same sensor at both places: the two measurements have different kinds or scales"
+        "a ratio needs the same sensor at both places: the two measurements have different kinds, scales or masses"
     )]
     DifferentSensors,
+    /// A sensor too heavy for the plate.
+    #[error("the sensor of {} mg at {} is too heavy for this plate: at most {} mg leave a fifth of its motion there. Use a lighter one, or one that does not touch the plate", significant(1e6 * *.mass_kg, 2), show_place(*.place_m), significant(1e6 * *.most_kg, 2))]
+    HeavySensor {
+        /// The sensor's place, metres.
+        place_m: f64,
+        /// Its stated mass, kg.
+        mass_kg: f64,
+        /// The largest mass that is accepted there, kg.
+        most_kg: f64,
+    },
+    /// A sensor whose mass is another one than stated.
+    #[error("the sensor seems to weigh {} mg, and {} mg are stated: weigh it again, with the part of its cable that moves", significant(1e6 * *.found_kg, 2), significant(1e6 * *.mass_kg, 2))]
+    AnotherMass {
+        /// Its stated mass, kg.
+        mass_kg: f64,
+        /// The mass that fits, kg.
+        found_kg: f64,
+    },
     /// The two places are one.
     #[error("both measurements are of the place {}: move the sensor between them", show_place(*.place_m))]
     SamePlace {

@@ -32,6 +32,7 @@ pub use fit::departure::{Departure, departure};
 pub use fit::one_sensor::{check_source, from_one_sensor};
 pub use fit::parameter::Parameter;
 pub use fit::response::prediction::predicted;
+pub use fit::response::sensor_body::SensorMasses;
 pub(crate) use fit::response::wave::seen;
 pub use fit::result::Calibrated;
 pub use fit::shunt::from_shunt;
@@ -44,5 +45,7 @@ pub use measurement::band::band_hz;
 pub use measurement::csv::CsvError;
 pub use measurement::drive_check::{DriveCheck, DriveCircuit, DriveLoad, check_drive, drive_check_hz};
 pub use measurement::foreign::{File, FileError, Foreign, ForeignPoint, ForeignRead, SNR, SNR_DB};
-pub use measurement::sensor::{MeasuredPoint, Measurement, POINTS, SensorKind};
+pub use measurement::sensor::{
+    MeasuredPoint, Measurement, POINTS, SENSOR_MASS, SENSOR_WIDTH, SensorBody, SensorKind,
+};
 pub use placement::{NearLimit, PairReach, PlaceWarning, Placing, SensorPlaces};

@@ -9,6 +9,7 @@
 //! plate's model with its air, also for thick plates. Between the edges of a film W is the half-width of the membrane that turns
 //! where the film does (`definition/film.rs`).
 
+mod caution;
 mod damper;
 mod drawing;
 mod dxf;

@@ -1,8 +1,8 @@
 //! Tests of the designer: its plates meet their requests, and other programs can read the cut files.
 
 use super::*;
-use crate::Plate;
 use crate::check::{Checker, Conditions};
+use crate::{Air, Plate};
 use proptest::prelude::*;
 
 fn aluminium() -> Request {
@@ -32,6 +32,55 @@ fn the_turning_points_of_the_band_ends_are_where_the_margins_say_after_a_round_t
         let (low, high) = read.band_hz();
         assert!((low - 20e3).abs() < 1e-3 && (high - 40e3).abs() < 1e-3, "{low} {high}");
     }
+}
+
+/// 50 um of polyester at 12 m/s: T = 10.0 N/m, E h/(1 - nu) = 363 kN/m, 28 ppm. The tension of a frame that is 6 ppm longer a
+/// kelvin later is put into the plate's file, and its boundary is compared.
+#[test]
+fn a_film_that_is_stretched_by_28_ppm_is_called_a_thermometer_and_rubber_is_not() {
+    let mut request = membrane();
+    request.material = Material::named("polyester-film").expect("known");
+    request.thickness_m = 50e-6;
+    request.air = Some(Air::Vacuum);
+    let designed = design(&request, &mut Progress::unwatched()).expect("possible");
+    let (strain, shift_m) = designed.strain().expect("a film");
+    assert!((strain / 27.6e-6 - 1.0).abs() < 5e-3, "{strain}");
+    let mut spec = designed.plate.spec().clone();
+    let share = 1e-3;
+    let Model::Membrane { wave_speed_m_per_s, tension_n_per_m: Some(tension), film: Some(film) } =
+        &mut spec.model
+    else {
+        panic!("a membrane")
+    };
+    let stiffness = film.youngs_modulus_pa * film.thickness_m / (1.0 - film.poisson_ratio);
+    let more = share * 6e-6 * stiffness / *tension;
+    *tension *= 1.0 + more;
+    *wave_speed_m_per_s *= (1.0 + more).sqrt();
+    let warm = Plate::new(spec).expect("valid");
+    let boundary_m = 0.5 * (designed.low.boundary_m + designed.high.boundary_m);
+    let hertz = designed.plate.frequency_for_boundary_hz(boundary_m);
+    let moved_m = (boundary_m - warm.turning_point_m(hertz).expect("enters")) / share;
+    // A film's own stiffness makes its boundary move a little more.
+    assert!((0.85..1.15).contains(&(moved_m / shift_m)), "{moved_m} {shift_m}");
+    let caution = designed.caution().expect("a thermometer");
+    assert!(caution.contains("28 ppm") && caution.contains("per kelvin"), "{caution}");
+    let rubber = design(&membrane(), &mut Progress::unwatched()).expect("possible");
+    assert!(rubber.strain().expect("a film").0 > 0.01);
+    let caution = rubber.caution().expect("a finger sinks in");
+    assert!(!caution.contains("thermometer") && caution.contains("sinks in"), "{caution}");
+    assert_eq!(design(&aluminium(), &mut Progress::unwatched()).expect("possible").caution(), None);
+}
+
+/// F/(2 pi T) ln(R/r) by hand: 0.5 N on 68.4 N/m (latex of 0.5 mm at 12 m/s).
+#[test]
+fn a_finger_sinks_into_a_slack_membrane_by_the_law_of_its_circle() {
+    let designed = design(&membrane(), &mut Progress::unwatched()).expect("possible");
+    let middle_m = 0.5 * (designed.low.boundary_m + designed.high.boundary_m);
+    let radii = designed.plate.half_width_m(middle_m) / 5e-3;
+    let wanted_m = 0.5 / (2.0 * std::f64::consts::PI * 68.4) * radii.ln();
+    let found_m = designed.press_m().expect("a membrane");
+    assert!((found_m / wanted_m - 1.0).abs() < 1e-3, "{found_m} {wanted_m}");
+    assert_eq!(design(&aluminium(), &mut Progress::unwatched()).expect("possible").press_m(), None);
 }
 
 #[test]

@@ -27,8 +27,8 @@ pub use level::{decibels, from_decibels};
 pub(crate) use notation::PlateFile;
 pub use notation::{Caption, Form, Notation};
 pub use parse::{
-    PlaceOrFrequency, bare, decibel, frequency_hz, length_m, level, place_or_frequency, plain, short_time_s,
-    time_s,
+    PlaceOrFrequency, bare, decibel, frequency_hz, length_m, level, mass_kg, place_or_frequency, plain,
+    short_time_s, time_s,
 };
 pub use range::{Count, Counted, Range};
 pub use refusal::{NotAllowed, OutOfRange, QuantityError, WrongCount, must_be, only};

@@ -171,6 +171,19 @@ pub fn place_or_frequency(text: &str) -> Result<PlaceOrFrequency, QuantityError>
         .ok_or_else(|| refused(unit, "mm, cm, m, Hz, kHz or MHz"))
 }
 
+/// A mass in kg; a bare number is in grams.
+///
+/// # Errors
+/// [`QuantityError`] for a text without a number, or with a unit other than g, mg and kg.
+pub fn mass_kg(text: &str) -> Result<f64, QuantityError> {
+    match split(text)? {
+        (grams, "" | "g") => Ok(1e-3 * grams),
+        (milligrams, "mg") => Ok(1e-6 * milligrams),
+        (kilograms, "kg") => Ok(kilograms),
+        (_, unit) => Err(refused(unit, "g, mg or kg")),
+    }
+}
+
 /// A plain number with an optional unit that must be `unit`.
 ///
 /// # Errors

@@ -15,7 +15,7 @@ const POINTS_PER_WAVE: f64 = 9.5;
 const POINTS_MIN: f64 = 60.0;
 
 /// A nominal plate of the kind of this number.
-fn nominal(number: usize, random: &mut Random) -> Plate {
+pub(super) fn nominal(number: usize, random: &mut Random) -> Plate {
     let kind = KINDS[number % KINDS.len()];
     let is_membrane = kind.ends_with("membrane");
     let preset = preset(if is_membrane { "membrane" } else { "al-bending" }).expect("a preset");
@@ -55,7 +55,7 @@ fn nominal(number: usize, random: &mut Random) -> Plate {
 }
 
 /// The number of frequencies that suffices.
-fn count(plate: &Plate) -> usize {
+pub(super) fn count(plate: &Plate) -> usize {
     let high_hz = slipline_plate::calibrate::band_hz(plate).1;
     // The wavelength of a plane wave at the highest frequency.
     let wavenumber = match &plate.spec().model {

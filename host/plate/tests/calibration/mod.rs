@@ -8,11 +8,13 @@ mod foreign;
 mod levels;
 mod misuse;
 mod one_sensor;
+mod promise;
 mod rig;
 mod shunt;
 mod touches;
 mod trim;
 mod wave;
+mod weight;
 
 use rig::{Judgement, Random, Rig, Solver, middle_and_worst};
 use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement, Priors, from_ratio};

@@ -11,7 +11,7 @@ use slipline_instrument::native::Measurer;
 use slipline_instrument::requests::{Frequencies, IncompleteCircuit, MeasureRequest, circuit_of};
 use slipline_instrument::rig::PreparedRig;
 use slipline_plate::Plate;
-use slipline_plate::calibrate::SensorKind;
+use slipline_plate::calibrate::{SensorBody, SensorKind};
 use slipline_plate::quantity::{OutOfRange, Range, must_be};
 
 /// The frequencies of a measurement and their level, as they are given.
@@ -34,22 +34,21 @@ pub(super) struct Circuit {
 /// A measurement that is asked for.
 pub(super) struct Wish {
     /// `None` for the current of the drive.
-    sensor: Option<(f64, SensorKind)>,
+    sensor: Option<(f64, SensorKind, Option<SensorBody>)>,
     pub(super) request: MeasureRequest,
 }
 
 impl Wish {
     /// The request of a call's arguments.
     pub(super) fn new(
-        place_m: Option<f64>,
-        kind: &str,
+        (place_m, kind, body): (Option<f64>, &str, Option<SensorBody>),
         input: &str,
         band: Band,
         circuit: Circuit,
     ) -> Result<Self, Failure> {
         let kind = sensor_kind(kind)?;
         let sensor = match (input, place_m) {
-            ("sensor", Some(place_m)) => Some((place_m, kind)),
+            ("sensor", Some(place_m)) => Some((place_m, kind, body)),
             ("sensor", None) => {
                 return Err(Failure::wrong_arguments("place_m of measure()", "the sensor's place"));
             }
@@ -66,10 +65,10 @@ impl Wish {
 
     /// The sensor on this plate.
     pub(super) fn sensor_on(&self, plate: &Plate) -> Result<Sensor, Failure> {
-        let Some((place_m, kind)) = self.sensor else { return Ok(current_sensor()) };
+        let Some((place_m, kind, body)) = self.sensor else { return Ok(current_sensor()) };
         let on_plate = Range::new(0.0, plate.length_m(), "m");
         OutOfRange::check("place_m", place_m, on_plate).map_err(|it| Failure::out_of_range(&it))?;
-        Ok(Sensor { place_m, kind, input: 0 })
+        Ok(Sensor { place_m, kind, input: 0, body })
     }
 
     /// Moves the sensor of the simulated rig to its place.
@@ -77,6 +76,10 @@ impl Wish {
         let Some(rig) = rig.filter(|_| self.sensor.is_some()) else { return Ok(()) };
         if sensor.kind != SensorKind::Displacement {
             let text = "the sensor of the simulated device measures displacement: leave out kind";
+            return Err(Failure::refused(text));
+        }
+        if sensor.body.is_some() {
+            let text = "the sensor of the simulated device does not weigh: leave out sensor_mass_kg";
             return Err(Failure::refused(text));
         }
         rig.hand().put_sensor(sensor.place_m).map_err(|error| Failure::of(&error))

@@ -22,6 +22,7 @@ use slipline_instrument::native::ArmingConsent;
 use slipline_instrument::profile_file;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::simulation::table_for;
+use slipline_plate::calibrate::SensorBody;
 use slipline_plate::quantity::{OutOfRange, Range};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -264,8 +265,9 @@ impl Device {
     /// ``kind``: what the sensor measures; ``input``: ``"sensor"``, or ``"current"`` of the drive, which has no place. ``points``
     /// frequencies lie from ``low_hz`` to ``high_hz``; ``level`` is 0 to 1; ``sweep`` plays a gliding tone. By the drive circuit,
     /// the amplifier's volts and the shunt's amperes at full scale and the coil's resistance or the piezo's capacitance, quiet tones
-    /// check that the drive is on.
-    #[pyo3(signature = (place_m=None, kind="displacement", input="sensor", *, points=None, low_hz=None, high_hz=None, level=None, sweep=false, amplifier_v=None, coil_ohm=None, piezo_f=None, shunt_a=None))]
+    /// check that the drive is on. ``sensor_mass_kg`` and ``sensor_width_m`` are those of a sensor that stands on the plate; the
+    /// sensor of the simulated device has none.
+    #[pyo3(signature = (place_m=None, kind="displacement", input="sensor", *, points=None, low_hz=None, high_hz=None, level=None, sweep=false, amplifier_v=None, coil_ohm=None, piezo_f=None, shunt_a=None, sensor_mass_kg=0.0, sensor_width_m=0.0))]
     #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
     fn measure(
         &self,
@@ -282,11 +284,15 @@ impl Device {
         coil_ohm: Option<f64>,
         piezo_f: Option<f64>,
         shunt_a: Option<f64>,
+        sensor_mass_kg: f64,
+        sensor_width_m: f64,
     ) -> PyResult<Measurement> {
         self.check_block("measure()")?;
         let band = Band { points, low_hz, high_hz, level, sweep };
         let circuit = Circuit { amplifier_v, coil_ohm, piezo_f, shunt_a };
-        self.measure_plate(py, Wish::new(place_m, kind, input, band, circuit)?)
+        let body =
+            SensorBody::new(sensor_mass_kg, sensor_width_m).map_err(|it| Failure::out_of_range(&it))?;
+        self.measure_plate(py, Wish::new((place_m, kind, body), input, band, circuit)?)
     }
 
     /// Measures the wave speed of the calibrated plate in use by one sensor, as ``slipline trim``, and with ``duration_s`` (up to a

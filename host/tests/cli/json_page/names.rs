@@ -294,6 +294,11 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ("stage", "text", "Kind of change within the window"),
     ("state", "text", "State of the device"),
     ("drive:state", "text", "State of the held tone"),
+    (
+        "stated_kg",
+        "kg",
+        "Largest mass of a sensor on a square of 4 mm at the proposed places, with its mass stated",
+    ),
     ("static_travel", "1", "Static travel at full scale, over the peak travel"),
     ("status", "text", "done, or why a place of these plates has no numbers"),
     ("stop_input", "text", "State of the stop input"),
@@ -327,6 +332,7 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ),
     ("underruns", "count", "Blocks that came too late"),
     ("unit", "text", "Unit of `value`; empty for a pure number"),
+    ("unstated_kg", "kg", "The same without a stated mass"),
     (
         "calibrate:unit",
         "text",

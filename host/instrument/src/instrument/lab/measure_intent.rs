@@ -3,7 +3,7 @@
 use crate::measure::KnownDrive;
 use crate::measure::circuit::TOLERANCE;
 use crate::measured_file::ForeignMetadata;
-use slipline_plate::calibrate::{DriveCircuit, DriveLoad, SensorKind};
+use slipline_plate::calibrate::{DriveCircuit, DriveLoad, SensorBody, SensorKind};
 use slipline_plate::text_table::Quantity;
 
 /// Settings of a measurement with the device.
@@ -13,6 +13,8 @@ pub struct MeasureDraft {
     pub place_m: f64,
     /// What the sensor shows.
     pub kind: SensorKind,
+    /// What it weighs; `None` for one that does not touch the plate.
+    pub body: Option<SensorBody>,
     /// Largest sum of all tones' amplitudes, as a share of full scale.
     pub level: f64,
     /// Whether quiet tones check first that the drive is on.
@@ -28,6 +30,7 @@ impl Default for MeasureDraft {
         Self {
             place_m: 0.03,
             kind: SensorKind::Acceleration,
+            body: None,
             level: 0.5,
             is_checked: false,
             drive: KnownDrive { circuit, full_scale_a: 1.65 },

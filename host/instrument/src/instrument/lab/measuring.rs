@@ -151,14 +151,14 @@ impl Lab {
         let inputs = inputs.ok_or(MeasuringRefused::NoSensorInput)?;
         let made = drive.table_made().filter(|_| drive.is_table_there());
         let table = &made.ok_or(MeasuringRefused::NoTable)?.device_table;
-        let MeasureDraft { place_m, kind, level, is_checked, drive: known_drive } = self.live.draft;
+        let MeasureDraft { place_m, kind, body, level, is_checked, drive: known_drive } = self.live.draft;
         let (plate, rate_hz) = (desk.plate(), drive.sample_rate_hz());
         if !(0.0..=plate.length_m()).contains(&place_m) {
             return Err(MeasuringRefused::OffThePlate { place_m });
         }
         let wanted = Wanted { level, ..Wanted::of(plate) };
         let plan = Plan::new(plate, &wanted, rate_hz, usize::from(inputs.lock_ins))?;
-        let sensor = Sensor { place_m, kind, input: SENSOR_INPUT };
+        let sensor = Sensor { place_m, kind, input: SENSOR_INPUT, body };
         let measuring = Measuring::new(plan, Arc::clone(table), sensor, &inputs)?;
         if !is_checked {
             return Ok(AfterCheck::new(None, measuring));

@@ -131,9 +131,9 @@ impl Rig {
     /// The rig for this measurement of the plate on the screen.
     pub(super) fn wanted(&self, plate: &Arc<Plate>, draft: &MeasureDraft, sample_rate_hz: f64) -> RigJob {
         let truth = self.secret.as_ref().map_or(plate, |secret| &secret.truth);
-        let MeasureDraft { place_m, kind, .. } = *draft;
+        let MeasureDraft { place_m, kind, body, .. } = *draft;
         let truth = Arc::clone(truth);
-        RigJob { truth, sensor: kind, place_m, sample_rate_hz, full_scale: None, finger: None }
+        RigJob { truth, sensor: kind, place_m, sample_rate_hz, full_scale: None, finger: None, body }
     }
 
     /// Whether the wanted rig is on the bench; moves its sensor to the wanted place.
@@ -169,7 +169,9 @@ impl Rig {
             return true;
         };
         let (full_scale, place_m) = (Some(standing.full_scale), standing.hand.place_m());
-        let wanted = RigJob { finger, full_scale, place_m, ..standing.job.clone() };
+        // A finger and a sensor that weighs are not simulated together.
+        let body = standing.job.body.filter(|_| finger.is_none());
+        let wanted = RigJob { finger, body, full_scale, place_m, ..standing.job.clone() };
         self.look_for(wanted);
         false
     }

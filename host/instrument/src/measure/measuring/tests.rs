@@ -148,7 +148,7 @@ fn planned(points: usize) -> (Measuring, Arc<DeviceTable>) {
     let (_, table) = simulation::table_for(&plate, RATE_HZ).unwrap();
     let wanted = Wanted { points, ..Wanted::of(&plate) };
     let plan = Plan::new(&plate, &wanted, f64::from(RATE_HZ), 16).unwrap();
-    let sensor = Sensor { place_m: 0.032, kind: SensorKind::Velocity, input: 0 };
+    let sensor = Sensor { place_m: 0.032, kind: SensorKind::Velocity, input: 0, body: None };
     (Measuring::new(plan, table.clone(), sensor, &INPUTS).unwrap(), table)
 }
 

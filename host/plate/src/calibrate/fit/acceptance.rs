@@ -18,13 +18,14 @@ pub(crate) const SPEED_MAX: f64 = 0.12;
 const DEVIATIONS_MAX: f64 = 4.5;
 /// Largest standard deviation of the boundary over the plate's length, and of the carried level in dB.
 const BOUNDARY_MAX: f64 = 5e-3;
-const LEVEL_MAX_DB: f64 = 1.5;
+pub(crate) const LEVEL_MAX_DB: f64 = 1.5;
 /// Share of a frequency by which the span may reach beyond the measured band.
 const BEYOND: f64 = 0.005;
 
 /// Refuses two measurements that have no ratio: too few common frequencies, two kinds of sensor, one place.
 pub(crate) fn check_pair([a, b]: [&Measurement; 2], pairs: &[Pair]) -> Result<(), CalibrateError> {
-    if a.sensor != b.sensor || a.unit_per_response != b.unit_per_response {
+    let same_body = a.sensor_mass_kg == b.sensor_mass_kg && a.sensor_width_m == b.sensor_width_m;
+    if a.sensor != b.sensor || a.unit_per_response != b.unit_per_response || !same_body {
         return Err(CalibrateError::DifferentSensors);
     }
     check_places([a.place_m, b.place_m], [a.place_tolerance_m, b.place_tolerance_m])?;

@@ -5,17 +5,18 @@
 //! the best of them.
 
 use super::acceptance::{CHI2_PER_N_MAX, SPEED_MAX};
-use super::least_squares::Fit;
+use super::least_squares::{Fit, slope};
 use super::misfit::misfit;
 use super::pairs::MODEL_ERROR;
 use super::response::plate_response::{PlateResponse, Units, answers};
+use super::response::sensor_body::{OF_MASS, weigh};
 use super::response::wave::{COARSE, FINE, points};
 use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
 use super::source::data::Datum;
 use super::source::source_model::SourceModel;
 use super::unknowns::{HELD, OF_PLATE, Priors, SPEED, of_baffle, of_plate, spec_at};
 use crate::calibrate::error::CalibrateError;
-use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorKind};
+use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorBody, SensorKind};
 use crate::definition::{Plate, PlateSpec};
 use std::iter::repeat_n;
 
@@ -58,8 +59,10 @@ impl<'a, S: SourceModel> Joint<'a, S> {
     ) -> Self {
         let frequencies_hz: Vec<f64> = points.iter().map(|point| point.frequency_hz).collect();
         let of_place = sensor.iter().map(|sensor| sensor.place_tolerance_m.max(PLACE_STEP_M));
+        let of_mass = sensor.and_then(Measurement::body).map(|_| OF_MASS);
         let of_plate = priors.deviations_of(plate.spec());
-        let deviations = of_plate.into_iter().chain(of_place).chain(source.deviations()).collect();
+        let known = of_plate.into_iter().chain(of_place).chain(of_mass);
+        let deviations = known.chain(source.deviations()).collect();
         let highest_hz = frequencies_hz.last().copied().unwrap_or(0.0);
         let turns = 2.0 * plate.width_mode(1).phase_to(plate.length_m(), highest_hz);
         Self { nominal: plate.spec(), source, units, sensor, deviations, frequencies_hz, data, turns }
@@ -67,7 +70,17 @@ impl<'a, S: SourceModel> Joint<'a, S> {
 
     /// Where the source's coordinates begin.
     pub(crate) fn of_source(&self) -> usize {
-        self.of_plate() + usize::from(self.sensor.is_some())
+        self.of_plate() + usize::from(self.sensor.is_some()) + usize::from(self.body().is_some())
+    }
+
+    /// The body of a sensor that weighs; the coordinate of its mass, ln over the stated one, follows that of its place.
+    fn body(&self) -> Option<SensorBody> {
+        self.sensor.and_then(Measurement::body)
+    }
+
+    /// The coordinate of its mass; `None` where it does not weigh.
+    pub(crate) fn of_mass(&self, coordinates: &[f64]) -> Option<f64> {
+        self.body().and_then(|_| coordinates.get(self.of_plate() + 1).copied())
     }
 
     /// Number of all residuals.
@@ -151,7 +164,13 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         let points = points(self.nominal, *self.frequencies_hz.last()?, radians);
         let spec = spec_at(self.nominal, coordinates);
         let sensor = self.sensor.map_or(SensorKind::Displacement, |sensor| sensor.sensor);
-        answers(&spec, points, self.units, sensor, places_m, frequencies_hz, with_peak)
+        let mut found = answers(&spec, points, self.units, sensor, places_m, frequencies_hz, with_peak)?;
+        if let (Some(body), Some(&place_m)) = (self.body(), places_m.first()) {
+            let factor = self.of_mass(coordinates).unwrap_or(0.0).exp();
+            let body = SensorBody { mass_kg: factor * body.mass_kg, ..body };
+            weigh(&mut found, &spec, points, self.units, (body, place_m))?;
+        }
+        Some(found)
     }
 
     fn places_at(&self, coordinates: &[f64]) -> Option<Vec<f64>> {
@@ -179,6 +198,28 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         residuals.extend(known.map(|(at, deviation)| at / deviation));
         residuals.extend(of_baffle(self.nominal, coordinates));
         residuals
+    }
+
+    /// The columns of place, mass and source where the sensor weighs: beside its place it leaves another share of the motion.
+    fn columns_of_a_weight(
+        &self,
+        (at, answers): (&[f64], &[PlateResponse]),
+        radians: f64,
+        model_error: f64,
+    ) -> Option<Vec<Vec<f64>>> {
+        let mut columns = Vec::new();
+        for (i, step) in [(self.of_plate(), PLACE_STEP_M), (self.of_plate() + 1, SOURCE_STEP)] {
+            let beside = |way: f64| {
+                let mut beside = at.to_vec();
+                beside[i] += way;
+                self.residuals(&beside, radians, model_error)
+            };
+            columns.push(slope(&beside(step)?, &beside(-step)?, 2.0 * step));
+        }
+        columns.extend((self.of_source()..at.len()).map(|i| {
+            column(at, i, SOURCE_STEP, |moved, _| self.residuals_of(moved, answers, 0, model_error))
+        }));
+        Some(columns)
     }
 }
 
@@ -217,7 +258,7 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
         });
         let starts = |(_, [speed, loss]): (f64, [f64; 2])| {
             let answers = on_plate([speed, loss, 0.0, 0.0]).unwrap_or_default();
-            let zeros = self.of_plate() - OF_PLATE + usize::from(self.sensor.is_some());
+            let zeros = self.of_source() - OF_PLATE;
             let whole = move |source: Vec<f64>| {
                 let of_plate = [speed, loss, 0.0, 0.0].into_iter().chain(repeat_n(0.0, zeros));
                 of_plate.chain(source).collect::<Vec<f64>>()
@@ -239,6 +280,9 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
             places_m.extend([place_m + PLACE_STEP_M, place_m - PLACE_STEP_M]);
         }
         let answers = self.answers(at, &places_m, &self.frequencies_hz, radians, false)?;
+        if self.body().is_some() {
+            return self.columns_of_a_weight((at, &answers), radians, model_error);
+        }
         let of_place = self.sensor.map(|_| {
             column(at, self.of_plate(), PLACE_STEP_M, |moved, side| {
                 self.residuals_of(moved, &answers, 1 + side, model_error)

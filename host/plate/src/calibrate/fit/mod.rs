@@ -26,6 +26,7 @@ pub(crate) mod ratio;
 pub(crate) mod response;
 pub(crate) mod result;
 pub(crate) mod search;
+pub(crate) mod sensor_load;
 pub(crate) mod shunt;
 pub(crate) mod source;
 pub(crate) mod speed_trim;

@@ -5,6 +5,7 @@ use super::joint_fit::Joint;
 use super::least_squares::Fit;
 use super::pairs::{MODEL_ERROR, unbiased_magnitude};
 use super::response::plate_response::{PlateResponse, Units, takes_a_source};
+use super::response::sensor_body::{check_fitted_mass, check_mass};
 use super::result::{AcceptedFit, Calibrated};
 use super::source::data::{entering, of_deflection};
 use super::source::sensor_signal::{CURVE, DELAY, RISE, SensorSignal};
@@ -62,8 +63,11 @@ pub(crate) fn fitted(
     let units = Units::of(plate, &points).ok_or(CalibrateError::NoFit)?;
     let data = of_deflection(&points, sensor, units);
     let source = SensorSignal::new(units, points[points.len() - 1].frequency_hz);
+    let frequencies_hz: Vec<f64> = points.iter().map(|point| point.frequency_hz).collect();
+    check_mass(plate, sensor, &frequencies_hz)?;
     let mut joint = Joint::new(plate, source, units, Some(sensor), priors, (&points, data));
     let (fit, chi2_per_n) = joint.accepted()?;
+    check_fitted_mass(sensor, joint.of_mass(&fit.parameters))?;
 
     let first = joint.of_source();
     let of_source = &fit.parameters[first..];
@@ -76,8 +80,9 @@ pub(crate) fn fitted(
         delay: Some((of_source[DELAY], DELAY)),
     };
     let carried = |at: &[f64]| {
+        let impedance = joint.impedance_of(at);
         let each = |(answer, point): (&PlateResponse, &MeasuredPoint)| {
-            let to_peak = answer.peak / answer.seen[0].norm();
+            let to_peak = answer.rise(impedance) * answer.peak / answer.seen[0].norm();
             let magnitude = unbiased_magnitude(point);
             let error = point.noise.hypot(MODEL_ERROR * magnitude) * to_peak;
             Carried { frequency_hz: answer.frequency_hz, peak: magnitude * to_peak, error }

@@ -7,7 +7,8 @@
 //! min over s of (|H_a| - s p_a)^2/v_a + (|H_b| - s p_b)^2/v_b = (|H_a| p_b - |H_b| p_a)^2/(v_a p_b^2 + v_b p_a^2)
 //! ```
 //!
-//! with the variances v: the residual of the ratio, which stays finite where one of the two places is a node.
+//! with the variances v: the residual of the ratio, which stays finite where one of the two places is a node. Where the sensor
+//! weighs, p is what it leaves of the wave's magnitude, and its mass and the source are unknowns, too (`sensor_load.rs`).
 
 use super::gain::Carried;
 use super::least_squares::{self, Fit};
@@ -15,6 +16,7 @@ use super::misfit::misfit;
 use super::pairs::{MODEL_ERROR, Pair, pairs};
 use super::response::wave::{COARSE, FINE, Wave, points};
 use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
+use super::sensor_load::{Load, SensorLoad};
 use super::unknowns::{
     AIR, DISTANT_AIR, HELD, OF_PLATE, Priors, from_tried_air, in_tried_air, of_baffle, of_plate, spec_at,
 };
@@ -25,6 +27,8 @@ use std::f64::consts::TAU;
 
 /// Radians that the phase at the farther sensor may change from one speed to the next.
 const SCAN_RADIANS: f64 = 0.25;
+/// Way over which the derivative by a coordinate of the sensor's mass and of the source is taken.
+const LOAD_STEP: f64 = 1e-5;
 /// Valleys of the scan that are followed to their bottom.
 const VALLEYS: usize = 3;
 
@@ -38,19 +42,24 @@ pub(crate) struct Ratio<'a> {
     pub(crate) deviations: Vec<f64>,
     pub(crate) pairs: Vec<Pair>,
     pub(crate) frequencies_hz: Vec<f64>,
+    /// What a sensor that weighs leaves of the wave.
+    load: Option<SensorLoad>,
 }
 
 impl<'a> Ratio<'a> {
     pub(crate) fn new(plate: &'a Plate, sensors: [&Measurement; 2], priors: &Priors) -> Self {
         let pairs = pairs(sensors, respond_range(plate));
         let places = sensors.map(|sensor| sensor.place_tolerance_m.max(PLACE_STEP_M));
+        let load = SensorLoad::of(plate, sensors);
+        let of_load = load.iter().flat_map(|load| load.deviations(HELD));
         Self {
             nominal: plate.spec(),
             sensor: sensors[0].sensor,
             places_m: sensors.map(|sensor| sensor.place_m),
-            deviations: priors.deviations_of(plate.spec()).into_iter().chain(places).collect(),
+            deviations: priors.deviations_of(plate.spec()).into_iter().chain(places).chain(of_load).collect(),
             frequencies_hz: pairs.iter().map(|pair| pair.frequency_hz).collect(),
             pairs,
+            load,
         }
     }
 
@@ -59,6 +68,7 @@ impl<'a> Ratio<'a> {
         let mut swapped = self.clone();
         swapped.places_m.swap(0, 1);
         swapped.deviations.swap(self.of_plate(), self.of_plate() + 1);
+        swapped.load.iter_mut().for_each(SensorLoad::swap);
         swapped
     }
 
@@ -81,10 +91,16 @@ impl<'a> Ratio<'a> {
         fits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, start)| start)
     }
 
+    /// The coordinate of the sensor's mass; `None` where it does not weigh.
+    pub(crate) fn of_mass(&self, coordinates: &[f64]) -> Option<f64> {
+        coordinates.get(self.of_plate() + 2).copied()
+    }
+
     /// Relative model error with which chi^2 of these coordinates would be 1 per answer.
     pub(crate) fn misfit(&self, coordinates: &[f64]) -> Option<f64> {
         let places_m = self.places_at(coordinates)?;
         let rows = self.wave(coordinates, FINE)?.at(self.sensor, &places_m, &self.frequencies_hz);
+        let rows = self.loaded(rows, coordinates, self.load_at(coordinates, FINE, &places_m)?.as_ref());
         let chi2 = |model_error: f64| {
             let p = rows.iter().map(|p| [&p[0], &p[1]]);
             self.residuals_of(coordinates, p, model_error).iter().map(|it| it * it).sum()
@@ -95,7 +111,40 @@ impl<'a> Ratio<'a> {
     /// Magnitudes at the two sensors, moved by these ways, and the peak, at each frequency.
     pub(crate) fn with_peak(&self, coordinates: &[f64]) -> Option<Vec<(Vec<f64>, f64)>> {
         let wave = self.wave(coordinates, FINE)?;
-        Some(wave.with_peak(self.sensor, &self.places_at(coordinates)?, &self.frequencies_hz))
+        let places_m = self.places_at(coordinates)?;
+        let peaks = wave.with_peak(self.sensor, &places_m, &self.frequencies_hz);
+        let Some(load) = self.load_at(coordinates, FINE, &places_m)? else { return Some(peaks) };
+        let (rows, peaks): (Vec<Vec<f64>>, Vec<f64>) = peaks.into_iter().unzip();
+        Some(self.loaded(rows, coordinates, Some(&load)).into_iter().zip(peaks).collect())
+    }
+
+    /// What the sensor's mass does at these places, two and two of the first and of the second sensor's; none where it does
+    /// not weigh.
+    fn load_at(&self, coordinates: &[f64], radians: f64, places_m: &[f64]) -> Option<Option<Load<'_>>> {
+        self.load_over(coordinates, radians, (places_m, &[0, 1]), &self.frequencies_hz)
+    }
+
+    /// The same at places of the sensors with these numbers.
+    fn load_over(
+        &self,
+        coordinates: &[f64],
+        radians: f64,
+        (places_m, sensors): (&[f64], &'static [usize]),
+        frequencies_hz: &[f64],
+    ) -> Option<Option<Load<'_>>> {
+        let Some(load) = &self.load else { return Some(None) };
+        let wave = self.wave(coordinates, radians)?;
+        let mut spec = wave.plate().spec().clone();
+        spec.drive_end = self.nominal.drive_end;
+        Some(Some(load.on(&wave, &spec, (places_m, sensors), frequencies_hz)?))
+    }
+
+    /// The magnitudes that the sensors show of `rows`, those of the bare plate.
+    fn loaded(&self, mut rows: Vec<Vec<f64>>, coordinates: &[f64], load: Option<&Load<'_>>) -> Vec<Vec<f64>> {
+        if let Some(load) = load {
+            load.lessen(&mut rows, coordinates.get(self.of_plate() + 2..).unwrap_or_default());
+        }
+        rows
     }
 
     /// The measured gains, carried to the peak by the wave of [`Ratio::with_peak`].
@@ -160,6 +209,8 @@ impl Searched for Ratio<'_> {
         let turns = shortest * self.places_m[0].max(self.places_m[1]);
         let (minima, _) = scan(speeds, turns, SCAN_RADIANS, |coordinates| {
             let rows = self.wave(&coordinates, COARSE)?.at(self.sensor, &self.places_m, &frequencies_hz);
+            let load = self.load_over(&coordinates, COARSE, (&self.places_m, &[0, 1]), &frequencies_hz)?;
+            let rows = self.loaded(rows, &coordinates, load.as_ref());
             Some(some.iter().zip(&rows).map(|(pair, p)| pair.residual(p, SCAN_ERROR).powi(2)).sum())
         });
         let start = |(_, at): &(f64, [f64; 2])| {
@@ -171,7 +222,9 @@ impl Searched for Ratio<'_> {
     }
 
     fn residuals(&self, at: &[f64], radians: f64, model_error: f64) -> Option<Vec<f64>> {
-        let rows = self.wave(at, radians)?.at(self.sensor, &self.places_at(at)?, &self.frequencies_hz);
+        let places_m = self.places_at(at)?;
+        let rows = self.wave(at, radians)?.at(self.sensor, &places_m, &self.frequencies_hz);
+        let rows = self.loaded(rows, at, self.load_at(at, radians, &places_m)?.as_ref());
         Some(self.residuals_of(at, rows.iter().map(|p| [&p[0], &p[1]]), model_error))
     }
 
@@ -180,13 +233,24 @@ impl Searched for Ratio<'_> {
         let [a, b] = self.places_at(at)?;
         let h = PLACE_STEP_M;
         let places = [a, b, a + h, a - h, b + h, b - h];
-        let rows = self.wave(at, radians)?.at(self.sensor, &places, &self.frequencies_hz);
+        let bare = self.wave(at, radians)?.at(self.sensor, &places, &self.frequencies_hz);
+        let load = self.load_over(at, radians, (&places, &[0, 1, 0, 0, 1, 1]), &self.frequencies_hz)?;
+        let rows = self.loaded(bare.clone(), at, load.as_ref());
         let of_place = |i: usize, picks: [[usize; 2]; 2]| {
             column(at, self.of_plate() + i, h, |moved, side| {
                 let p = rows.iter().map(|p| picks[side].map(|at| &p[at]));
                 self.residuals_of(moved, p, model_error)
             })
         };
-        Some(vec![of_place(0, [[2, 1], [3, 1]]), of_place(1, [[0, 4], [0, 5]])])
+        // The same field serves the mass and the source.
+        let of_load = (self.of_plate() + 2..at.len()).map(|i| {
+            column(at, i, LOAD_STEP, |moved, _| {
+                let rows = self.loaded(bare.clone(), moved, load.as_ref());
+                self.residuals_of(moved, rows.iter().map(|p| [&p[0], &p[1]]), model_error)
+            })
+        });
+        let of_load: Vec<Vec<f64>> = of_load.collect();
+        let of_places = [of_place(0, [[2, 1], [3, 1]]), of_place(1, [[0, 4], [0, 5]])];
+        Some(of_places.into_iter().chain(of_load).collect())
     }
 }

@@ -36,6 +36,7 @@ pub fn from_shunt(
         place_m: 0.0,
         sensor: SensorKind::Displacement,
         unit_per_response: None,
+        sensor_mass_kg: 0.0,
         ..current.clone()
     };
     signal::check_sensor(plate, current)?;

@@ -16,6 +16,7 @@ use super::one_sensor::{check_source, fitted};
 use super::pairs::{MODEL_ERROR, SAME};
 use super::parameter::INTERVAL;
 use super::response::plate_response::{Units, answers};
+use super::response::sensor_body::weigh;
 use super::response::wave::{FINE, points};
 use super::result::Calibrated;
 use super::source::data::{entering, of_deflection};
@@ -23,7 +24,7 @@ use super::source::sensor_signal::SensorSignal;
 use super::source::source_model::SourceModel;
 use super::unknowns::{Priors, SPEED, of_plate, spec_at};
 use crate::calibrate::error::CalibrateError;
-use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
+use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorBody};
 use crate::calibrate::measurement::signal;
 use crate::definition::{Plate, limits};
 use num_complex::Complex64;
@@ -169,7 +170,10 @@ impl SpeedTrim {
     /// [`CalibrateError`]: too few frequencies, another sensor, nothing but noise, or phases that one speed does not explain.
     pub fn later(&self, later: &Measurement) -> Result<Trimmed, CalibrateError> {
         signal::check_sensor(&self.plate, later)?;
-        if later.place_m != self.first.place_m || later.sensor != self.first.sensor {
+        let is_other = later.place_m != self.first.place_m
+            || later.sensor != self.first.sensor
+            || later.body() != self.first.body();
+        if is_other {
             let (place_m, begin_m) = (later.place_m, self.first.place_m);
             return Err(CalibrateError::AnotherSensor { place_m, begin_m });
         }
@@ -247,10 +251,16 @@ impl SpeedTrim {
         let count = points(nominal, highest_hz, FINE);
         let of_plate = of_plate(nominal);
         let place_m = self.first.place_m + coordinates[of_plate];
-        let answers =
+        let mut answers =
             answers(&spec, count, self.units, self.first.sensor, &[place_m], frequencies_hz, false)?;
+        let mut of_source = of_plate + 1;
+        if let Some(body) = self.first.body() {
+            let mass_kg = body.mass_kg * coordinates[of_source].exp();
+            weigh(&mut answers, &spec, count, self.units, (SensorBody { mass_kg, ..body }, place_m))?;
+            of_source += 1;
+        }
         let source = SensorSignal::new(self.units, highest_hz);
-        let seen = |answer| source.response(answer, 0, &coordinates[of_plate + 1..]);
+        let seen = |answer| source.response(answer, 0, &coordinates[of_source..]);
         Some(answers.iter().map(seen).collect())
     }
 }

@@ -3,6 +3,7 @@
 use super::acceptance::{self, CHI2_PER_N_MAX};
 use super::missing_air::or_missing_air;
 use super::ratio::Ratio;
+use super::response::sensor_body::{check_fitted_mass, check_mass};
 use super::result::{AcceptedFit, Calibrated};
 use super::unknowns::Priors;
 use crate::calibrate::error::CalibrateError;
@@ -39,6 +40,9 @@ fn fitted(plate: &Plate, sensors: [&Measurement; 2], priors: &Priors) -> Result<
     }
     let ratio = Ratio::new(plate, sensors, priors);
     acceptance::check_pair(sensors, &ratio.pairs)?;
+    for sensor in sensors {
+        check_mass(plate, sensor, &ratio.frequencies_hz)?;
+    }
     let fit = ratio.fit().ok_or(CalibrateError::NoFit)?;
     let residuals = (ratio.pairs.len() + ratio.deviations.len() - fit.parameters.len()) as f64;
     let chi2_per_n = fit.chi2 / residuals;
@@ -52,6 +56,7 @@ fn fitted(plate: &Plate, sensors: [&Measurement; 2], priors: &Priors) -> Result<
         });
     }
 
+    check_fitted_mass(sensors[0], ratio.of_mass(&fit.parameters))?;
     let carried = |coordinates: &[f64]| Some(ratio.carried(&ratio.with_peak(coordinates)?).collect());
     let accepted = AcceptedFit {
         nominal: plate,

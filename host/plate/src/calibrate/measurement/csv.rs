@@ -9,9 +9,9 @@
 //! 88.9,0.0231,-0.0039,0.0002,
 //! ```
 //!
-//! `place_m` and `sensor` are required; `place_tolerance_m`, `unit_per_response` and `sample_rate_hz` are optional,
-//! and so are the column of the headroom and each number in it. A spreadsheet may have saved it: with another separator, a
-//! decimal comma, and separators behind the fields.
+//! `place_m` and `sensor` are required; `place_tolerance_m`, `unit_per_response`, `sensor_mass_kg` with
+//! `sensor_width_m`, and `sample_rate_hz` are optional, and so are the column of the headroom and each number in it. A
+//! spreadsheet may have saved it: with another separator, a decimal comma, and separators behind the fields.
 
 use super::sensor::{MeasuredPoint, Measurement, POINTS, SensorKind};
 use crate::calibrate::error::CalibrateError;
@@ -24,7 +24,15 @@ use thiserror::Error;
 /// The table's columns; the last may be left out.
 const COLUMNS: [&str; 5] = ["frequency_hz", "re", "im", "noise", "headroom_db"];
 /// The fields above the table.
-const FIELDS: [&str; 5] = ["place_m", "place_tolerance_m", "sensor", "unit_per_response", "sample_rate_hz"];
+const FIELDS: [&str; 7] = [
+    "place_m",
+    "place_tolerance_m",
+    "sensor",
+    "unit_per_response",
+    "sensor_mass_kg",
+    "sensor_width_m",
+    "sample_rate_hz",
+];
 
 /// Why a text is no measurement.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -101,12 +109,19 @@ impl Measurement {
             return Err(CalibrateError::from(wrong).into());
         }
         let points = table.map_or(Ok(Vec::new()), |table| points(&table))?;
-        let [place_m, place_tolerance_m, _, unit_per_response, sample_rate_hz] = numbers;
+        let [place_m, place_tolerance_m, _, unit_per_response, mass_kg, width_m, sample_rate_hz] = numbers;
         let place_m = place_m.ok_or(CsvError::Missing { field: "place_m" })?;
         let sensor = sensor.ok_or(CsvError::Missing { field: "sensor" })?;
         let default = Self::at(place_m, sensor, points);
         let place_tolerance_m = place_tolerance_m.unwrap_or(default.place_tolerance_m);
-        let measurement = Self { place_tolerance_m, unit_per_response, sample_rate_hz, ..default };
+        let measurement = Self {
+            place_tolerance_m,
+            unit_per_response,
+            sensor_mass_kg: mass_kg.unwrap_or(0.0),
+            sensor_width_m: width_m.unwrap_or(0.0),
+            sample_rate_hz,
+            ..default
+        };
         measurement.check()?;
         Ok(measurement)
     }
@@ -118,9 +133,13 @@ impl Measurement {
             format!("# place_m = {}\n# place_tolerance_m = {}\n", self.place_m, self.place_tolerance_m);
         // Writing to a text cannot fail.
         let _ = writeln!(text, "# sensor = {}", self.sensor.word());
-        for (field, value) in
-            [("unit_per_response", self.unit_per_response), ("sample_rate_hz", self.sample_rate_hz)]
-        {
+        let weighing = |value: f64| (value > 0.0).then_some(value);
+        for (field, value) in [
+            ("unit_per_response", self.unit_per_response),
+            ("sensor_mass_kg", weighing(self.sensor_mass_kg)),
+            ("sensor_width_m", weighing(self.sensor_width_m)),
+            ("sample_rate_hz", self.sample_rate_hz),
+        ] {
             if let Some(value) = value {
                 let _ = writeln!(text, "# {field} = {value}");
             }
@@ -229,7 +248,7 @@ mod tests {
         #[test]
         fn what_is_written_is_read_back_to_the_last_bit(
             place_m in 0.0..1.0_f64, tolerance in 0.0..0.01_f64, kind in 0..4_usize,
-            unit in proptest::option::of(1e-9..1e9_f64), rate in proptest::option::of(1e3..1e6_f64),
+            unit in proptest::option::of(1e-9..1e9_f64), body in proptest::option::of((1e-9..0.1_f64, 6e-4..0.1_f64)), rate in proptest::option::of(1e3..1e6_f64),
             points in prop::collection::vec((-1e9..1e9_f64, -1e-9..1e-9_f64, 1e-12..1.0_f64, proptest::option::of(-10.0..90.0_f64)), 8..20),
         ) {
             let points = points.into_iter().enumerate().map(|(i, (re, im, noise, headroom_db))| MeasuredPoint {
@@ -237,6 +256,7 @@ mod tests {
             });
             let measurement = Measurement {
                 place_tolerance_m: tolerance, unit_per_response: unit, sample_rate_hz: rate,
+                sensor_mass_kg: body.map_or(0.0, |body| body.0), sensor_width_m: body.map_or(0.0, |body| body.1),
                 ..Measurement::at(place_m, SensorKind::ALL[kind], points.collect())
             };
             prop_assert_eq!(Measurement::from_csv(&measurement.to_csv()), Ok(measurement));

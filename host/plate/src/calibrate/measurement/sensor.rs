@@ -2,6 +2,7 @@
 
 use crate::calibrate::error::CalibrateError;
 use crate::definition::{limits, sample_rate};
+use crate::frequency::Finger;
 use crate::quantity::{Count, Counted, OutOfRange, Range, WrongCount};
 use num_complex::Complex64;
 
@@ -13,6 +14,10 @@ pub(crate) const PLACE_TOLERANCE: Range = Range::new(0.0, 0.01, "m");
 const MAGNITUDE: Range = Range::new(0.0, 1e30, "");
 /// Range of the headroom of an input below its full scale.
 const HEADROOM: Range = Range::new(-200.0, 400.0, "dB");
+/// Range of the mass of a sensor.
+pub const SENSOR_MASS: Range = Range::new(0.0, 0.1, "kg");
+/// Range of the side of the square on which a sensor with a mass stands.
+pub const SENSOR_WIDTH: Range = limits::CONTACT;
 /// Range of the sample rate of a DAC.
 const SAMPLE_RATE: Range = Range::new(1.0, 1e9, "Hz");
 
@@ -97,11 +102,45 @@ pub struct Measurement {
     pub sensor: SensorKind,
     /// Metres, m/s, m/s^2 or strain per unit of `response`; `None` for an uncalibrated sensor.
     pub unit_per_response: Option<f64>,
+    /// Mass of the sensor, kg (0 to 0.1): it moves with the plate and lessens the motion that it measures. 0 for what does
+    /// not touch the plate, such as a laser.
+    pub sensor_mass_kg: f64,
+    /// Side of the square on which a sensor with a mass stands, metres (0.0005 to 0.1); 0 without a mass.
+    pub sensor_width_m: f64,
     /// Sample rate of the DAC that played the tones, Hz: the responses include its zero-order hold. `None` for a
     /// source without a hold.
     pub sample_rate_hz: Option<f64>,
     /// The responses, in rising frequency; 8 to 10 000.
     pub points: Vec<MeasuredPoint>,
+}
+
+/// The body of a sensor that weighs.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct SensorBody {
+    /// Its mass, kg (above 0, at most 0.1).
+    pub mass_kg: f64,
+    /// Side of the square on which it stands, metres (0.0005 to 0.1).
+    pub width_m: f64,
+}
+
+impl SensorBody {
+    /// The body of this mass and width; `None` without a mass.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] names `sensor_mass_kg` or `sensor_width_m`, and its range.
+    pub fn new(mass_kg: f64, width_m: f64) -> Result<Option<Self>, OutOfRange> {
+        OutOfRange::check("sensor_mass_kg", mass_kg, SENSOR_MASS)?;
+        let low = if mass_kg > 0.0 { SENSOR_WIDTH.low } else { 0.0 };
+        OutOfRange::check("sensor_width_m", width_m, Range { low, ..SENSOR_WIDTH })?;
+        Ok((mass_kg > 0.0).then_some(Self { mass_kg, width_m }))
+    }
+
+    /// The same at a place, as a finger without damping.
+    #[must_use]
+    pub const fn at(self, place_m: f64) -> Finger {
+        let Self { mass_kg, width_m } = self;
+        Finger { place_m, resistance_n_s_per_m: 0.0, mass_kg, contact_m: width_m }
+    }
 }
 
 /// Standard deviation of a place marked with a ruler, metres.
@@ -116,9 +155,25 @@ impl Measurement {
             place_tolerance_m: PLACE_TOLERANCE_M,
             sensor,
             unit_per_response: None,
+            sensor_mass_kg: 0.0,
+            sensor_width_m: 0.0,
             sample_rate_hz: None,
             points,
         }
+    }
+
+    /// The body of a sensor that weighs.
+    #[must_use]
+    pub fn body(&self) -> Option<SensorBody> {
+        let (mass_kg, width_m) = (self.sensor_mass_kg, self.sensor_width_m);
+        (mass_kg > 0.0).then_some(SensorBody { mass_kg, width_m })
+    }
+
+    /// The same by a sensor with this body, or by one that does not weigh.
+    #[must_use]
+    pub fn by(self, body: Option<SensorBody>) -> Self {
+        let (sensor_mass_kg, sensor_width_m) = body.map_or((0.0, 0.0), |body| (body.mass_kg, body.width_m));
+        Self { sensor_mass_kg, sensor_width_m, ..self }
     }
 
     /// The gain of the hold of the DAC that played the tones.
@@ -137,6 +192,7 @@ impl Measurement {
         if let Some(unit) = self.unit_per_response {
             OutOfRange::check("unit_per_response", unit, Range::new(1e-30, 1e30, ""))?;
         }
+        SensorBody::new(self.sensor_mass_kg, self.sensor_width_m)?;
         if let Some(rate_hz) = self.sample_rate_hz {
             OutOfRange::check("sample_rate_hz", rate_hz, SAMPLE_RATE)?;
         }
@@ -187,6 +243,9 @@ mod tests {
         assert!(refused(|it| it.place_m = f64::NAN).starts_with("place_m = NaN"));
         assert!(refused(|it| it.place_tolerance_m = 0.1).starts_with("place_tolerance_m = 0.1"));
         assert!(refused(|it| it.unit_per_response = Some(0.0)).starts_with("unit_per_response = 0"));
+        assert!(refused(|it| it.sensor_mass_kg = -1e-3).starts_with("sensor_mass_kg = -0.001 kg"));
+        let bodiless = refused(|it| it.sensor_mass_kg = 1e-3);
+        assert!(bodiless.starts_with("sensor_width_m = 0 m: must be 0.0005 to 0.1 m"), "{bodiless}");
         assert!(refused(|it| it.sample_rate_hz = Some(-1.0)).starts_with("sample_rate_hz = -1"));
         assert!(point(|it| it.frequency_hz = 104.0).starts_with("frequency_hz = 104 Hz"));
         assert!(point(|it| it.response.im = f64::INFINITY).starts_with("response = "));

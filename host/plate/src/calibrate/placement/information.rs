@@ -11,7 +11,7 @@ use crate::calibrate::fit::search::PLACE_STEP_M;
 use crate::calibrate::fit::spread::{Nodes, Turning};
 use crate::calibrate::fit::unknowns::{OF_PLATE_MAX, STEPS, spec_at};
 use crate::calibrate::measurement::sensor::{Measurement, PLACE_TOLERANCE_M, SensorKind};
-use crate::definition::Plate;
+use crate::definition::{Plate, Resonator};
 use crate::progress::Progress;
 use crate::table::level::DriveToPeak;
 use nalgebra::{DMatrix, DVector};
@@ -22,7 +22,13 @@ const PLACES: usize = 2;
 /// Standard deviation of the drive over what a plate file says of it, in the logarithm (1.7 dB), and its correlation
 /// length over the ripple's period: a source that does not match leaves a ripple of the resonances.
 const DRIVE: f64 = 0.2;
+/// The same of a source that reflects, behind an actuator that resonates: the ripple of a resonant plate is a comb (4.3 dB).
+const RESONANT_DRIVE: f64 = 0.5;
 const OF_RIPPLE: f64 = 0.5;
+/// Resonances of an actuator that no file states, over the middle of the band, and their quality: the worst of those of a secret
+/// plate ([`crate::truth`]).
+const RESONANT: [f64; 2] = [0.5, 1.0];
+const QUALITY: f64 = 5.0;
 /// Rate without a zero-order hold, Hz: only the shape over the band counts.
 const NO_HOLD_HZ: f64 = 1e8;
 
@@ -36,6 +42,8 @@ pub(crate) struct Information {
     turning: Turning,
     nodes: Nodes,
     drive: Process,
+    /// Gains of actuators that no file states, at each frequency: they resonate in the band or below it.
+    resonant: [Vec<f64>; 2],
     /// The information about the plate's coordinates.
     deviations: Vec<f64>,
     band_hz: (f64, f64),
@@ -50,11 +58,24 @@ struct Seen {
     per_metre: f64,
 }
 
+impl Seen {
+    /// The same behind an actuator of this gain.
+    fn times(self, gain: f64) -> Self {
+        Self {
+            signal: gain * self.signal,
+            of_plate: self.of_plate.map(|slope| gain * slope),
+            per_metre: gain * self.per_metre,
+        }
+    }
+}
+
 /// Halves of the 95 % intervals that a pair would reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Reached {
     pub(crate) boundary_m: f64,
     pub(crate) level_db: f64,
+    /// The level behind the worst of the actuators.
+    pub(crate) resonant_db: f64,
     pub(crate) nodes_m: f64,
 }
 
@@ -112,6 +133,7 @@ impl Information {
             turning: Turning::of(plate).ok_or(CalibrateError::NoFit)?,
             nodes: Nodes::of(plate).ok_or(CalibrateError::NoFit)?,
             drive: drive(plate, frequencies_hz[0], highest_hz),
+            resonant: RESONANT.map(|share| resonant(share, frequencies_hz)),
             frequencies_hz: frequencies_hz.to_vec(),
             deviations,
             band_hz: plate.band_hz(),
@@ -132,16 +154,41 @@ impl Information {
         silent as f64 / self.rows.len() as f64
     }
 
-    /// What the pair of two places would reach under this noise; `None` where its information is singular.
-    pub(crate) fn reached(&self, [a, b]: [usize; 2], noise: f64) -> Option<Reached> {
+    /// What the pair of two places would reach under this noise; `None` where its information is singular. An actuator that resonates
+    /// takes the signal from the rest of the band.
+    pub(crate) fn reached(&self, pair: [usize; 2], noise: f64) -> Option<Reached> {
+        let stated = self.reached_behind((&vec![1.0; self.rows.len()], DRIVE), pair, noise)?;
+        let resonant =
+            self.resonant.iter().map(|gains| self.reached_behind((gains, RESONANT_DRIVE), pair, noise));
+        let levels_db = resonant.map(|reached| reached.map(|it| it.level_db)).collect::<Option<Vec<_>>>()?;
+        Some(Reached { resonant_db: levels_db.into_iter().fold(stated.level_db, f64::max), ..stated })
+    }
+
+    /// The same behind an actuator with these gains and a drive of this standard deviation. The noise keeps its share of the root of
+    /// the mean square of the signals.
+    fn reached_behind(
+        &self,
+        (gains, drive): (&[f64], f64),
+        [a, b]: [usize; 2],
+        noise: f64,
+    ) -> Option<Reached> {
+        let drive = Process { size: drive, ..self.drive };
+        let square = |gain: fn(f64) -> f64| -> f64 {
+            self.rows
+                .iter()
+                .zip(gains)
+                .flat_map(|(row, of)| row.iter().map(move |it| (gain(*of) * it.signal).powi(2)))
+                .sum()
+        };
+        let noise = noise * (square(|gain| gain) / square(|_| 1.0)).sqrt();
         let of_plate = self.deviations.len();
         let count = of_plate + PLACES;
         let known = self.deviations.iter().chain(&[PLACE_TOLERANCE_M; PLACES]).map(|it| it.powi(-2));
         let mut information = DMatrix::from_diagonal(&DVector::from_iterator(count, known));
         let mut slopes: Vec<Vec<f64>> = vec![Vec::new(); count];
         let mut variances = Vec::with_capacity(self.rows.len());
-        for (row, of_peak) in self.rows.iter().zip(&self.of_peak) {
-            let (a, b) = (row[a], row[b]);
+        for ((row, of_peak), &gain) in self.rows.iter().zip(&self.of_peak).zip(gains) {
+            let (a, b) = (row[a].times(gain), row[b].times(gain));
             let variance = |seen: Seen| noise.powi(2) + (MODEL_ERROR * seen.signal).powi(2);
             let (of_a, of_b) = (variance(a), variance(b));
             let spread = (of_a * b.signal.powi(2) + of_b * a.signal.powi(2)).sqrt();
@@ -172,15 +219,26 @@ impl Information {
         let covariance = information.cholesky()?.inverse();
         let places = Places { at: self.frequencies_hz.iter().map(|hz| hz.ln()).collect(), variances };
         let level_of = (true, self.level_error);
-        let level_db = self.drive.deviation_db(&places, &slopes, &covariance, self.band_hz, level_of)?;
+        let level_db = drive.deviation_db(&places, &slopes, &covariance, self.band_hz, level_of)?;
         let (boundary_m, _) = self.turning.deviations(&covariance);
         let nodes_m = self.nodes.deviation_m(&covariance);
         [boundary_m, level_db, nodes_m].iter().all(|it| it.is_finite()).then_some(Reached {
             boundary_m: INTERVAL * boundary_m,
             level_db: INTERVAL * level_db,
+            resonant_db: INTERVAL * level_db,
             nodes_m: INTERVAL * nodes_m,
         })
     }
+}
+
+/// Gains of an actuator that resonates at this share of the middle of the band.
+fn resonant(share: f64, frequencies_hz: &[f64]) -> Vec<f64> {
+    let (Some(low_hz), Some(high_hz)) = (frequencies_hz.first(), frequencies_hz.last()) else {
+        return Vec::new();
+    };
+    let resonance_hz = 0.5 * share * (low_hz + high_hz);
+    let resonator = Resonator { resonance_hz, quality: QUALITY, travel: None };
+    frequencies_hz.iter().map(|&hz| resonator.response(hz).norm()).collect()
 }
 
 /// What is known of the drive's correction over the logarithm of the frequency. A ripple's period is one more half wave on the

@@ -3,14 +3,21 @@
 use super::information::{Information, Reached};
 use super::near_limit::NearLimit;
 use crate::calibrate::error::CalibrateError;
+use crate::calibrate::fit::acceptance::LEVEL_MAX_DB;
+use crate::calibrate::fit::pairs::MODEL_ERROR;
+use crate::calibrate::fit::parameter::INTERVAL;
+use crate::calibrate::fit::response::sensor_body::SensorMasses;
 use crate::calibrate::fit::unknowns::{DISTANT_AIR, Priors};
 use crate::calibrate::measurement::band::band_hz;
 use crate::calibrate::measurement::sensor::{POINTS, SensorKind};
 use crate::calibrate::measurement::signal;
-use crate::definition::{Air, Plate, PlateSpec};
+use crate::definition::{Air, Plate, PlateSpec, limits};
+use crate::quantity::number_format::significant;
 use crate::quantity::{OutOfRange, Range, WrongCount, show_place};
 use std::fmt;
 
+/// Side of the square of the sensor whose mass is stated beside a plan, metres: that of a chip.
+const CHIP_M: f64 = 4e-3;
 /// Noise of an answer over the root mean square of the signals over the plate and the band: 40 dB below it.
 const NOISE: f64 = 0.01;
 /// Places that are tried from the nearest on, and then between the best and its neighbours.
@@ -61,11 +68,14 @@ pub struct PairReach {
     pub places_m: [f64; 2],
     /// Half of the 95 % interval of the boundary, metres: the largest over the span.
     pub boundary_tolerance_m: f64,
-    /// Half of the 95 % interval of the level of the peak over its mean, dB: the largest over the span.
+    /// Half of the 95 % interval of the level of the peak over its mean, dB: the largest over the span. The larger of those behind the
+    /// drive of the plate file and behind an actuator of a quality of 5 that resonates in the band or below it.
     pub level_tolerance_db: f64,
     /// Half of the 95 % interval of the standing wave's nodes next to the driven end, metres: the largest over the span. A pair
     /// next to the boundary knows the boundary and not the wave before it.
     pub node_tolerance_m: f64,
+    /// The level's interval behind the drive of the plate file alone, dB: pairs are compared by it.
+    stated_db: f64,
 }
 
 /// Why a sensor at a place does not serve a calibration.
@@ -225,6 +235,56 @@ impl SensorPlaces {
         information.reached([0, 1], self.noise).map(|reached| PairReach::new(places_m, reached))
     }
 
+    /// A sentence where a calibration at the proposed places may be refused; `None` where it is accepted with this noise.
+    #[must_use]
+    pub fn caution(&self) -> Option<String> {
+        let level_db = self.best.level_tolerance_db;
+        let most_db = INTERVAL * LEVEL_MAX_DB;
+        (level_db > most_db).then(|| {
+            format!(
+                "behind an actuator that resonates the level stays open to {} dB, and at most {} dB are accepted: such a plate resonates, so give its end a resistance, or measure with less noise",
+                significant(level_db, 2),
+                significant(most_db, 2)
+            )
+        })
+    }
+
+    /// The largest masses of a sensor on a square of side `width_m` (0.0005 to 0.1) at a place, behind the drive of the
+    /// plate file.
+    ///
+    /// # Errors
+    /// [`CalibrateError`]: a place beyond the plate, a width out of its range, or a plate file that does not state the
+    /// membrane's tension or the sheet's thickness.
+    pub fn masses(&self, place_m: f64, width_m: f64) -> Result<SensorMasses, CalibrateError> {
+        OutOfRange::check("place_m", place_m, Range::new(0.0, self.plate.length_m(), "m"))?;
+        OutOfRange::check("sensor_width_m", width_m, limits::CONTACT)?;
+        SensorMasses::at(&self.plate, place_m, width_m, &self.frequencies_hz, MODEL_ERROR)
+    }
+
+    /// The largest masses that both proposed places bear, on a square of 4 mm; `None` where the plate file does not
+    /// state what they need.
+    #[must_use]
+    pub fn both_bear(&self) -> Option<SensorMasses> {
+        let [near, far] = self.best.places_m.map(|place_m| self.masses(place_m, CHIP_M).ok());
+        let (near, far) = near.zip(far)?;
+        Some(SensorMasses {
+            stated_kg: near.stated_kg.min(far.stated_kg),
+            unstated_kg: near.unstated_kg.min(far.unstated_kg),
+        })
+    }
+
+    /// The same as a sentence for a person.
+    #[must_use]
+    pub fn mass_note(&self) -> Option<String> {
+        let SensorMasses { stated_kg, unstated_kg } = self.both_bear()?;
+        Some(format!(
+            "A sensor that stands on the plate may weigh at most {} mg with its mass stated, and {} mg without (on a square of {}).",
+            significant(1e6 * stated_kg, 2),
+            significant(1e6 * unstated_kg, 2),
+            show_place(CHIP_M)
+        ))
+    }
+
     /// Why a sensor at a place would not serve; `None` if it would.
     ///
     /// # Errors
@@ -246,12 +306,13 @@ impl SensorPlaces {
 }
 
 impl PairReach {
-    fn new(places_m: [f64; 2], Reached { boundary_m, level_db, nodes_m }: Reached) -> Self {
+    fn new(places_m: [f64; 2], Reached { boundary_m, level_db, resonant_db, nodes_m }: Reached) -> Self {
         Self {
             places_m,
             boundary_tolerance_m: boundary_m,
-            level_tolerance_db: level_db,
+            level_tolerance_db: resonant_db,
             node_tolerance_m: nodes_m,
+            stated_db: level_db,
         }
     }
 }
@@ -260,7 +321,7 @@ impl PairReach {
 /// of [`OF_LEVEL`].
 fn best_of(pairs: &[PairReach]) -> Option<PairReach> {
     let product = |it: &PairReach| {
-        it.boundary_tolerance_m.max(it.node_tolerance_m / OF_NODES) * it.level_tolerance_db.powf(OF_LEVEL)
+        it.boundary_tolerance_m.max(it.node_tolerance_m / OF_NODES) * it.stated_db.powf(OF_LEVEL)
     };
     pairs.iter().copied().min_by(|a, b| product(a).total_cmp(&product(b)))
 }

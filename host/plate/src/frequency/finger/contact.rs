@@ -99,6 +99,18 @@ impl Contact {
         sum
     }
 
+    /// Mean motion of the whole contact by these waves per unit of a force that is spread evenly over it, times S, m.
+    pub(super) fn receptance(&self) -> Complex64 {
+        let length = self.ends_m - self.begins_m;
+        let of_wave = |wave: &Wave| {
+            let (gamma, mean) = (wave.gamma, wave.mean.iter().sum::<f64>() / BANDS as f64);
+            let turns = gamma * length;
+            let itself = (turns - 1.0 + (-turns).exp()) / (gamma * turns * turns);
+            itself * (wave.sign * mean * mean)
+        };
+        self.waves.iter().map(of_wave).sum()
+    }
+
     /// The field that decays around the contact, on the centre line; `force` is that on each cell. A higher mode that
     /// propagates is left out, because it leaves the contact.
     pub(super) fn near_field(&self, force: &[[Complex64; BANDS]; COLUMNS]) -> NearField<'_> {

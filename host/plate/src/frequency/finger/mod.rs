@@ -3,6 +3,7 @@
 //! ```text
 //! Finger -> respond_touched, predict_envelope: the plate's own field plus that of the finger's force         (touch)
 //!                                              the near field of that force                                  (contact)
+//! a sensor that weighs -> what it leaves of the motion under it, for every driven end                     (receptance)
 //! ```
 //!
 //! The finger moves with the plate under it and exerts the force F = -Z v, Z = R - j omega m, where v is the velocity
@@ -10,6 +11,7 @@
 //! contact. All values are illustrative: fingers differ, and one finger differs from minute to minute.
 
 mod contact;
+mod receptance;
 mod touch;
 
 use super::error::RespondError;
@@ -18,6 +20,7 @@ use crate::definition::limits;
 use crate::definition::plate::Plate;
 use crate::quantity::{OutOfRange, Range};
 
+pub(crate) use receptance::{Receptance, Receptances, receptances};
 pub(crate) use touch::{share_left, solve_each_touched, touched};
 
 /// Side of the contact of a fingertip, metres.

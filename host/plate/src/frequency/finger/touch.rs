@@ -232,7 +232,7 @@ impl<'a> Touch<'a> {
 }
 
 /// A value on a uniform grid between its points, by a cubic through the four nearest.
-fn interpolated(values: &[Complex64], step_m: f64, x: f64) -> Complex64 {
+pub(super) fn interpolated(values: &[Complex64], step_m: f64, x: f64) -> Complex64 {
     let at = x / step_m;
     let first = ((at.floor() as usize).saturating_sub(1)).min(values.len().saturating_sub(4));
     let t = at - first as f64;

@@ -15,6 +15,8 @@ pub(crate) struct TwoSolutions {
     pub(crate) left: Vec<Complex64>,
     /// The one that decays beyond the turning point.
     pub(crate) right: Vec<Complex64>,
+    /// Value and derivative (1/m) at x = 0 of `left` and of `right`.
+    pub(crate) starts: [[Complex64; 2]; 2],
     /// left right' - left' right at the driven end, 1/m; S times it is the same everywhere.
     pub(crate) wronskian: Complex64,
     /// sqrt(S at 0 / S), with S of (S p')' + S k^2 p = -force per length.
@@ -45,6 +47,7 @@ pub(crate) fn solve_with_both(
     let size = end.alpha.norm().max(end.beta.norm() / grid.step_m);
     let value = -end.beta / (size * grid.step_m);
     let slope = end.alpha / (size * grid.step_m) + root_slope * value;
+    let starts = [[value, slope], [swept.g[1], swept.slope]].map(|[g, slope]| [g, slope - root_slope * g]);
     let last = (to_m / grid.step_m).ceil() as usize + 4;
     let left = weighed(&forward(grid, &swept.q, at, value, slope, last.min(grid.on_plate - 1)));
 
@@ -56,7 +59,7 @@ pub(crate) fn solve_with_both(
     let impedance = plate.wave_impedance_n_s_per_m(frequency_hz).unwrap_or(f64::NAN);
     let stiffness_n = TAU * frequency_hz * impedance / wavenumber / dilution / plate.lossy(frequency_hz);
     let wronskian = value * swept.slope - slope * swept.g[1];
-    (field, TwoSolutions { step_m: grid.step_m, left, right, wronskian, weight, stiffness_n })
+    (field, TwoSolutions { step_m: grid.step_m, left, right, starts, wronskian, weight, stiffness_n })
 }
 
 /// g at the points on the plate from its value and slope at 0, as far as point `last`; zero beyond it.

@@ -83,8 +83,8 @@ pub struct SensedPlate {
 impl SensedPlate {
     /// Prepares a plate, optionally with a resting finger, for codes at one of [`crate::sample_rates`].
     ///
-    /// From 0.8 of the lowest frequency of the plate's span to 1.5 of its highest one (with a finger from the lowest
-    /// to 1.05 of the highest) the response is that of the frequency domain, between clamped edges within one or two
+    /// From 0.8 of the lowest frequency of the plate's span to 1.5 of its highest one (with a finger that damps from the
+    /// lowest to 1.05 of the highest) the response is that of the frequency domain, between clamped edges within one or two
     /// hundredths; above this band it falls off. It includes a measured actuator and the correction of a calibration,
     /// with the minimum phase of their gain; noise between their points is smoothed, see [`Output::error`].
     ///
@@ -95,7 +95,9 @@ impl SensedPlate {
         if let Some(finger) = finger {
             finger.check(plate).map_err(LineError::Finger)?;
         }
-        let beyond = if finger.is_some() { BEYOND_TOUCHED } else { BEYOND };
+        // A body without damping is a resonance among those of the plate.
+        let beyond =
+            if finger.is_some_and(|it| it.resistance_n_s_per_m > 0.0) { BEYOND_TOUCHED } else { BEYOND };
         let (low_hz, high_hz) = plate.band_hz();
         let top_hz = (beyond.1 * high_hz).min(TOP_TO_RATE * sample_rate_hz).max(high_hz);
         let plan = BandPlan::new(sample_rate_hz, beyond.0 * low_hz, top_hz);
@@ -112,7 +114,8 @@ impl SensedPlate {
         };
         let mut pole = fit.bank.pole;
         pole.extend(drive::resonances(plate, exact_hz, stop_hz, sample_rate_hz, decay));
-        let pole = fields::with_background(&pole, stop_hz, sample_rate_hz);
+        let per_octave = fields::background_per_octave(plate);
+        let pole = fields::with_background(&pole, stop_hz, sample_rate_hz, per_octave);
         let fields = Fields::new(plate, finger, &pole, exact_hz, stop_hz, sample_rate_hz);
         let advance = decay(&pole);
         Ok(Self { plate: plate.clone(), sample_rate_hz, fields, advance })
@@ -207,9 +210,18 @@ impl SensedPlate {
         actuator * spec.full_scale_m
     }
 
+    /// The largest deflection of the drive point per code of 1 between two fractions of the cut-off, metres: 0 below the frequencies
+    /// at which the field is known, where the plate holds its drive.
+    pub fn held_drive_point_m(&self, (low, high): (f64, f64)) -> f64 {
+        let cut_off_hz = self.plate.cut_off_hz();
+        let in_band =
+            self.fields.each().filter(|(hz, _)| (low * cut_off_hz..=high * cut_off_hz).contains(hz));
+        in_band.map(|(hz, field)| (field[0] * self.code_to_actuator(hz)).norm()).fold(0.0, f64::max)
+    }
+
     /// As [`SensedPlate::with_drive_point`], and in addition between two fractions of the cut-off, where no wave
-    /// enters and the plate holds its drive: there the output is within some per cent of `signal` for a drive point
-    /// at rest.
+    /// enters: there the output is within some per cent of `signal`, below the frequencies at which the field is known for a drive
+    /// point at rest.
     ///
     /// The velocity is that behind the actuator alone, in proportion to the actuator's input. It does not include the
     /// correction of a calibration, the gain from the code to the peak.
@@ -223,12 +235,14 @@ impl SensedPlate {
     ) -> Result<Output, SenseError> {
         let cut_off_hz = self.plate.cut_off_hz();
         let (low_hz, high_hz) = (low * cut_off_hz, high * cut_off_hz);
+        // Where the field is known it is that of the plate.
+        let known_hz = self.fields.each().next().map_or(f64::INFINITY, |(hz, _)| hz);
         let held = || {
-            (0..HELD_FREQUENCIES).map(|i| {
+            let spread = (0..HELD_FREQUENCIES).map(|i| {
                 let share = f64::from(i) / f64::from(HELD_FREQUENCIES - 1);
-                let hz = low_hz * (high_hz / low_hz).powf(share);
-                (hz, signal(hz, Complex64::ZERO))
-            })
+                low_hz * (high_hz / low_hz).powf(share)
+            });
+            spread.filter(|hz| *hz < known_hz).map(|hz| (hz, signal(hz, Complex64::ZERO)))
         };
         let drive = |hz: f64, field: &[Complex64]| {
             signal(hz, Complex64::new(0.0, -TAU * hz) * field[0] * self.code_to_actuator(hz))
@@ -292,6 +306,11 @@ impl SensedPlate {
     /// The band in which every output is that of the frequency domain, Hz.
     pub(crate) fn exact_hz(&self) -> (f64, f64) {
         self.fields.exact_hz()
+    }
+
+    /// The sample rate of the codes, Hz.
+    pub const fn sample_rate_hz(&self) -> f64 {
+        self.sample_rate_hz
     }
 
     /// The plate.

@@ -103,6 +103,12 @@ fn answer(
         );
     }
     measure_form::show(ui, scene, &mut view.fields, Some(sensor), intents);
+    if sensor == 0 {
+        if let Some(note) = calibration.mass_note() {
+            wrapped(ui, RichText::new(note).small().color(palette.weak));
+        }
+        measure_form::body(ui, scene, &mut view.fields, intents);
+    }
     ui.add_space(4.0);
     if foreign_form::show(ui, scene, &mut view.fields, intents) {
         return;

@@ -14,11 +14,15 @@ use crate::view::theme;
 use eframe::egui;
 use slipline_instrument::TourStep;
 use slipline_instrument::measure::LEVEL;
-use slipline_plate::quantity;
-use slipline_plate::quantity::number_format::with_decimals;
+use slipline_plate::calibrate::{SENSOR_MASS, SENSOR_WIDTH, SensorBody};
+use slipline_plate::quantity::number_format::{significant, with_decimals};
+use slipline_plate::quantity::{self, show_place};
 
 /// Width of the button that cancels, in points.
 const CANCEL: f32 = 140.0;
+
+/// The width of a sensor whose width is not stated, metres: that of a chip.
+const CHIP_M: f64 = 4e-3;
 
 /// What the hidden test plate is ([`slipline_instrument::rig::secret`]).
 const SECRET_HELP: &str = "To try a calibration: the sensor stands on a plate near this one, whose numbers are not shown. Its wave speed is up \
@@ -76,6 +80,38 @@ pub(crate) fn show(
             ask(MeasureIntent::Cancel);
         }
     });
+}
+
+/// What the sensor weighs.
+pub(crate) fn body(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, intents: &mut Intents) {
+    let draft = *scene.measure.live.draft;
+    let (mass_kg, width_m) = draft.body.map_or((0.0, CHIP_M), |body| (body.mass_kg, body.width_m));
+    let mut reason = None;
+    let mut wanted = None;
+    ui.add_enabled_ui(scene.measure.live.progress.is_none(), |ui| {
+        ui.horizontal_top(|ui| {
+            let field = (
+                "Sensor weighs",
+                "The mass of a sensor that stands on the plate, within a fifth (50 mg); 0 for one that does not touch it",
+                82.0,
+            );
+            let shown = format!("{} mg", significant(1e6 * mass_kg, 4));
+            let of_mass = (shown.as_str(), "mass", SENSOR_MASS);
+            if let Some(mass_kg) = number(ui, typed, &mut reason, field, of_mass, quantity::mass_kg) {
+                wanted = Some((mass_kg, width_m));
+            }
+            let field = ("on a width of", "The side of the square on which it stands (4 mm)", 82.0);
+            let shown = show_place(width_m);
+            let of_width = (shown.as_str(), "width", SENSOR_WIDTH);
+            if let Some(width_m) = number(ui, typed, &mut reason, field, of_width, quantity::length_m) {
+                wanted = Some((mass_kg, width_m));
+            }
+        });
+    });
+    refusal(ui, reason.as_deref());
+    if let Some(body) = wanted.and_then(|(mass_kg, width_m)| SensorBody::new(mass_kg, width_m).ok()) {
+        intents.push(Intent::Measure(MeasureIntent::Draft(MeasureDraft { body, ..draft })));
+    }
 }
 
 /// What is measured, and how.

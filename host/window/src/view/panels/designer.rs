@@ -105,4 +105,7 @@ fn figures(ui: &mut egui::Ui, design: &Design) {
         row(ui, "Tension", format!("{tension:.1} N/m"));
     }
     ui.label(RichText::new(design.mounting.sentence()).small().color(theme::palette(ui).weak));
+    if let Some(caution) = design.caution() {
+        ui.add(egui::Label::new(RichText::new(caution).small().color(theme::palette(ui).warn)).wrap());
+    }
 }

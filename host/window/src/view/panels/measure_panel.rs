@@ -11,6 +11,7 @@ use crate::view::theme;
 use eframe::egui::{self, Rect, RichText, Sense, pos2, vec2};
 use slipline_instrument::TourStep;
 use slipline_model::response::{Entry, Headroom, differs};
+use slipline_plate::quantity::number_format::significant;
 use slipline_plate::quantity::{decibels, show_frequency, show_place};
 
 const OPEN_HELP: &str = "A CSV of this page, or what another program measured: a table of frequency and level, text of REW, .frd, a universal file (58)";
@@ -133,6 +134,10 @@ fn details(ui: &mut egui::Ui, scene: &Scene<'_>, entry: &Entry, intents: &mut In
         "Place",
         format!("{} ± {:.1} mm", show_place(measurement.place_m), 1e3 * measurement.place_tolerance_m),
     );
+    if let Some(body) = measurement.body() {
+        let mass_mg = significant(1e6 * body.mass_kg, 3);
+        row(ui, "Sensor's mass", format!("{mass_mg} mg on {}", show_place(body.width_m)));
+    }
     if let Some((first, last)) = measurement.points.first().zip(measurement.points.last()) {
         let (low, high) = (show_frequency(first.frequency_hz), show_frequency(last.frequency_hz));
         row(ui, "Frequencies", format!("{} from {low} to {high}", measurement.points.len()));

@@ -3,4 +3,5 @@
 
 pub(crate) mod plate_response;
 pub(crate) mod prediction;
+pub(crate) mod sensor_body;
 pub(crate) mod wave;

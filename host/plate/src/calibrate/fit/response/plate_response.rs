@@ -55,6 +55,9 @@ pub(crate) struct PlateResponse {
     pub(crate) force: Complex64,
     /// f(0) times the unit of stiffness, over F.
     pub(crate) motion: Complex64,
+    /// `force` and `motion` of the bare plate where a sensor weighs on it: the two above are then those that give the
+    /// sensor's own motion from the bare plate's `seen`.
+    pub(crate) bare: Option<[Complex64; 2]>,
     /// p at each place; p'' for a strain sensor.
     pub(crate) seen: Vec<Complex64>,
     /// Amplitude of the peak, where it was requested.
@@ -70,6 +73,12 @@ impl PlateResponse {
     /// F in the scale of F_p: the force that this source needs for a unit drive.
     pub(crate) fn load(&self, source: [f64; 3]) -> Complex64 {
         self.force + dynamic_stiffness(source, self.rate) * self.motion
+    }
+
+    /// The bare plate's motion over that of a sensor that weighs.
+    pub(crate) fn rise(&self, source: [f64; 3]) -> f64 {
+        let Some([force, motion]) = self.bare else { return 1.0 };
+        (self.load(source) / (force + dynamic_stiffness(source, self.rate) * motion)).norm()
     }
 }
 
@@ -131,7 +140,7 @@ pub(crate) fn answers(
     let answer = |(&frequency_hz, row): (&f64, super::wave::Row)| {
         let [force, motion] = end.of_wave(frequency_hz, row.value, wave.slope(frequency_hz));
         let rate = units.rate(frequency_hz);
-        PlateResponse { frequency_hz, rate, force, motion, seen: row.seen, peak: row.peak }
+        PlateResponse { frequency_hz, rate, force, motion, bare: None, seen: row.seen, peak: row.peak }
     };
     Some(frequencies_hz.iter().zip(rows).map(answer).collect())
 }

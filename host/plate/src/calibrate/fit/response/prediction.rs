@@ -1,5 +1,6 @@
 //! Sensor responses predicted from the plate file: drive, wave and kind of sensor.
 
+use super::sensor_body::rises;
 use super::wave::{FINE, points, seen};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
@@ -50,6 +51,10 @@ pub fn predicted(plate: &Plate, sensor: &Measurement) -> Result<Vec<Option<Compl
         let per_metre = per_metre(plate, sensor, hertz) / sensor.unit_per_response.unwrap_or(1.0);
         found.push(before * seen(field, step_m, sensor.place_m, sensor.sensor) * per_metre);
     });
+    if let Some(body) = sensor.body() {
+        let rises = rises(plate, body, sensor.place_m, &entering)?;
+        found.iter_mut().zip(rises).for_each(|(found, rise): (&mut Complex64, Complex64)| *found /= rise);
+    }
     let mut found = found.into_iter();
     Ok(hertz().map(|hertz| if allowed.contains(hertz) { found.next() } else { None }).collect())
 }

@@ -7,6 +7,7 @@
 use crate::calibrate::measurement::sensor::SensorKind;
 use crate::definition::{DriveEnd, Plate, PlateError, PlateSpec};
 use crate::frequency::driven_end::DrivenEnd;
+use crate::frequency::finger::{self, Receptances};
 use crate::frequency::numerov::{self, Grid};
 use crate::frequency::{Equation, POINTS_MAX, respond_range};
 use crate::table::level;
@@ -67,6 +68,18 @@ impl Wave {
             rows.push(Row { seen, value: field[0], peak });
         });
         rows
+    }
+
+    /// The receptances of the plate under sensors of this width at `places_m`, at each frequency, for a wave of
+    /// [`Wave::new`].
+    pub(crate) fn receptances(
+        &self,
+        width_m: f64,
+        places_m: &[f64],
+        frequencies_hz: &[f64],
+    ) -> Vec<Receptances> {
+        let at = |&hz: &f64| finger::receptances(&self.grid, &self.plate, places_m, width_m, hz);
+        frequencies_hz.iter().map(at).collect()
     }
 
     pub(crate) const fn plate(&self) -> &Plate {
