@@ -26,7 +26,7 @@ impl Rectangle {
             let mut system = System::new(&section, &mesh, &outline, |_| stiffness.into(), |_| inertia);
             for node in [0, mesh.elements()] {
                 match self.edges {
-                    Edges::Supported => system.hold(node, 0.0),
+                    Edges::Supported | Edges::Turning => system.hold(node, 0.0),
                     Edges::Clamped => system.clamp(node),
                 }
             }
