@@ -15,7 +15,9 @@ fn giving(plate: &Plate, give_m: f64) -> Plate {
 fn cut_wider(plate: &Plate, give_m: f64) -> Plate {
     let length_m = plate.length_m();
     let at = |i: u32| 2.0 * length_m * f64::from(i) / 2000.0;
-    let points = (0..=2000).map(|i| [at(i), plate.cut_half_width_m(at(i)) + give_m]).collect();
+    let cut = (0..=2000).map(|i| [at(i), plate.cut_half_width_m(at(i))]);
+    // Straight edges meet before.
+    let points = cut.take_while(|[_, cut_m]| *cut_m > 1e-3).map(|[x, cut_m]| [x, cut_m + give_m]).collect();
     Plate::new(PlateSpec { taper: Taper::Sampled { points }, edge_give_m: None, ..plate.spec().clone() })
         .expect("a plate")
 }
