@@ -79,6 +79,21 @@ fn a_plate_whose_edges_give_is_the_plate_that_is_cut_as_much_wider() {
     }
 }
 
+/// The figures of PLATES.md.
+#[test]
+fn a_tenth_of_a_millimetre_moves_a_boundary_by_some_millimetres() {
+    for (name, stated_mm) in [("al-bending", [2.7, 3.9]), ("membrane", [0.6, 1.6])] {
+        let plate = preset(name).expect("a preset");
+        let given = giving(&plate, 1e-4);
+        let (start_m, end_m) = plate.span_m();
+        for (place_m, stated_mm) in [start_m, end_m].into_iter().zip(stated_mm) {
+            let frequency_hz = plate.frequency_for_boundary_hz(place_m);
+            let moved_mm = 1e3 * (given.turning_point_m(frequency_hz).expect("turns") - place_m);
+            assert!((moved_mm - stated_mm).abs() < 0.1, "{name} {place_m}: {moved_mm}");
+        }
+    }
+}
+
 #[test]
 fn the_plate_in_time_and_in_two_dimensions_takes_the_same_edges() {
     let plate = giving(&preset("membrane").expect("a preset"), 1e-3);

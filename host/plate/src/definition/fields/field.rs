@@ -72,13 +72,11 @@ impl Field {
         (self.at)(spec)
     }
 
-    /// The number of this field, by its default where the plate leaves it out; `None` if it is not a number, or if the plate does
-    /// not have it, or does not state it and there is no default.
+    /// The number of this field; `None` if it is not a number, or if the plate does not have or state it.
     pub fn number_of<'a>(&self, spec: &'a mut PlateSpec) -> Option<&'a mut f64> {
-        match (self.slot(spec)?, self.default) {
-            (Slot::Number(number), _) => Some(number),
-            (Slot::Optional(number), Some(default)) => Some(number.get_or_insert(default)),
-            (Slot::Optional(number), None) => number.as_mut(),
+        match self.slot(spec)? {
+            Slot::Number(number) => Some(number),
+            Slot::Optional(number) => number.as_mut(),
             _ => None,
         }
     }
