@@ -72,8 +72,8 @@ impl CalibrationWizard {
     pub fn calipers_of_file(&self) -> Calipers {
         let length_m = self.plate.length_m();
         Calipers {
-            half_width_m: self.plate.half_width_m(0.0),
-            end_half_width_m: self.plate.half_width_m(length_m),
+            half_width_m: self.plate.cut_half_width_m(0.0),
+            end_half_width_m: self.plate.cut_half_width_m(length_m),
             length_m,
             tolerance_m: CALIPERS_TOLERANCE_M,
         }

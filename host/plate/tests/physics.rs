@@ -14,6 +14,7 @@ mod clamped_sheet;
 mod clamped_time;
 mod drive_curve;
 mod drive_end;
+mod edges;
 mod even_level;
 mod exact;
 mod film;

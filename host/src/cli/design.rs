@@ -192,8 +192,8 @@ fn summary(designed: &Design) -> Vec<(&'static str, String)> {
             "taper",
             format!(
                 "full width {} at the driven end, {} at the narrow end, d = {} /m",
-                show_si(2.0 * plate.half_width_m(0.0), "m"),
-                show_si(2.0 * plate.half_width_m(plate.length_m()), "m"),
+                show_si(2.0 * plate.cut_half_width_m(0.0), "m"),
+                show_si(2.0 * plate.cut_half_width_m(plate.length_m()), "m"),
                 with_decimals(designed.rate_per_m, 3)
             ),
         ),

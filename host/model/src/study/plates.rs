@@ -69,7 +69,7 @@ impl Study {
     #[must_use]
     pub fn varied(&self, plate: u64) -> Vec<f64> {
         let of = |(varied, &hash): (&super::Varied, &u64)| {
-            varied.nominal * varied.law.factor(Draw::of(self.spec.seed, plate, hash))
+            varied.law.drawn(varied.nominal, Draw::of(self.spec.seed, plate, hash))
         };
         self.spec.varied.iter().zip(&self.hashes).map(of).collect()
     }

@@ -7,10 +7,11 @@
 //! turning_point_m = [0.12, 0.18] # 1 to 64 places on the span of the plate
 //! kind = "1d"                    # or "2d": each plate in two dimensions
 //! results = ["level_db"]         # 1 to 7 of StudyResult::ALL
-//! [vary]                         # 1 to 32 numbers of the plate file, each times
+//! [vary]                         # 1 to 32 numbers of the plate file, each times a factor, or plus an offset
 //! "model.wave_speed_m_per_s" = { normal = 0.01 }   # 1 + 0.01 z, z standard normal; 0 to 1
 //! loss_factor = { log_normal = 0.3 }               # e^(0.3 z); 0 to 3
 //! "taper.rate_per_m" = { uniform = 0.02 }          # 1 + 0.02 u, u uniform in -1 to 1; 0 to 1
+//! edge_give_m = { offset = 3e-4 }                  # plus 3e-4 z, z standard normal; 0 to 1 in the field's unit
 //! ```
 
 use super::law::Law;
@@ -196,7 +197,12 @@ impl Draft {
             let span = Range::new(start_m, end_m, "m");
             span.check(&format!("turning_point_m[{number}]"), place_m).map_err(SpecError::OffSpan)?;
         }
-        let plate_text = plate.to_toml();
+        let mut spec = plate.spec().clone();
+        if vary.contains_key("edge_give_m") {
+            // A file that leaves it out means edges that do not give.
+            spec.edge_give_m.get_or_insert(0.0);
+        }
+        let plate_text = Plate::new(spec)?.to_toml();
         let numbers = PlateFile::parse(&plate_text)?.0.numbers();
         let varied = vary.into_iter().map(|(path, law)| varied(path, law, &numbers));
         let varied = varied.collect::<Result<_, _>>()?;
@@ -290,8 +296,8 @@ fn varied(path: String, law: Law, numbers: &[(String, f64)]) -> Result<Varied, S
         };
         return Err(SpecError::Value(PlateError::Unexpected { field, reason }));
     };
-    if *nominal == 0.0 {
-        let reason = "it is 0 on the nominal plate, and no factor changes that".to_owned();
+    if *nominal == 0.0 && law.is_factor() {
+        let reason = "it is 0 on the nominal plate, and no factor changes that: use offset".to_owned();
         return Err(SpecError::Value(PlateError::Unexpected { field, reason }));
     }
     Ok(Varied { path, law, nominal: *nominal })

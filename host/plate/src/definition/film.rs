@@ -153,44 +153,13 @@ impl FilmEdge {
     }
 }
 
-/// Intervals of the turning half-width's curve over the plate: its cubics are right to 1e-11 and better.
-const INTERVALS: usize = 512;
-/// How far the curve goes on before the driven end and beyond the plate's end, over the length.
-const BEYOND: (f64, f64) = (0.05, 1.0);
-/// It ends before the edges of a linear taper meet.
-const REACH: f64 = 0.99;
-
 /// ln of the half-width of the membrane that turns every wave where a film of the edge length `edge_m` does between the
 /// edges of `outline`.
 pub(crate) fn membrane_width(outline: &WidthLaw, length_m: f64, edge_m: f64) -> WidthLaw {
-    let longest = length_m / INTERVALS as f64;
-    let end = (length_m * (1.0 + BEYOND.1)).min(REACH * outline.reach_m()).max(length_m);
-    let mut corners = vec![-BEYOND.0 * length_m, 0.0];
-    if let WidthLaw::Curve { position, .. } = outline {
-        corners.extend(position.iter().filter(|place| **place > 0.0 && **place < end));
-    }
-    corners.extend([length_m, end]);
-    corners.sort_by(f64::total_cmp);
-    let (mut position, mut value, mut slope) = (Vec::new(), Vec::new(), Vec::new());
-    let mut add = |x: f64| {
-        let law = outline.at(x);
-        let half_width = law.value.exp();
-        let edge = FilmEdge::new(half_width / edge_m);
-        position.push(x);
-        value.push(law.value + (FRAC_PI_2 / edge.number).ln());
-        slope.push(law.slope * edge.rise());
-    };
-    for pair in corners.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        // Two corners at one place: a sampled taper may end with the plate.
-        if to - from < 1e-9 * length_m {
-            continue;
-        }
-        let parts = ((to - from) / longest).ceil().max(1.0);
-        (0..parts as usize).for_each(|part| add(from + (to - from) * part as f64 / parts));
-    }
-    add(end);
-    WidthLaw::Curve { position, value, slope }
+    outline.mapped(length_m, outline.reach_m(), |law| {
+        let edge = FilmEdge::new(law.value.exp() / edge_m);
+        (law.value + (FRAC_PI_2 / edge.number).ln(), law.slope * edge.rise())
+    })
 }
 
 #[cfg(test)]

@@ -30,6 +30,10 @@ pub struct PlateSpec {
     pub description: String,
     /// How the half-width narrows.
     pub taper: Taper,
+    /// How far the edges give, delta, metres (-0.002 to 0.005): every law takes the half-width W + delta, with one delta for the
+    /// whole plate, and the taper states W as it is cut. An edge clamped by a rotational stiffness of D/(c h) per length has
+    /// delta = c h. `None` as 0.
+    pub edge_give_m: Option<f64>,
     /// Which width decides where a wave turns.
     pub turning_width: TurningWidth,
     /// Length L from the driven end to the narrow end, metres (0.005 to 10).
@@ -86,7 +90,9 @@ pub struct Plate {
     spec: PlateSpec,
     /// The half-width of the plate as it is cut.
     pub(crate) outline: WidthLaw,
-    /// The half-width over which the wave swings: the outline, or that of the membrane that swings as a film does.
+    /// The half-width between the edges that hold the wave: the outline, and how far its edges give.
+    pub(crate) edges: WidthLaw,
+    /// The half-width over which the wave swings: that between the edges, or that of the membrane that swings as a film does.
     pub(crate) width: WidthLaw,
     /// The half-width that decides where a wave turns.
     pub(crate) turning: TurningLaw,
@@ -159,12 +165,13 @@ impl Plate {
         Range::new(shortest, spec.length_m, "m").check("span_end_m", spec.span_end_m)?;
 
         let outline = WidthLaw::new(&spec.taper, spec.length_m);
-        let width = swinging(&outline, &spec);
+        let edges = edges(&outline, &spec)?;
+        let width = swinging(&edges, &spec);
         let turning = TurningLaw::new(&width, spec.length_m, spec.turning_width);
         let bend_weight = spec.turning_width.bend_weight(&spec.model);
         let air_load = AirLoad::of(spec.air.as_ref(), &spec.model);
         let mut plate =
-            Self { spec, outline, width, turning, grading: None, bend_weight, air_load, strip: None };
+            Self { spec, outline, edges, width, turning, grading: None, bend_weight, air_load, strip: None };
         plate.grading = plate.graded()?;
         plate.set_strip(strip);
         Ok(plate)
@@ -175,7 +182,7 @@ impl Plate {
         let (Some(thickness), Some(bending)) = (&self.spec.thickness, self.spec.model.bending()) else {
             return Ok(None);
         };
-        let (length_m, reach_m) = (self.spec.length_m, self.outline.reach_m());
+        let (length_m, reach_m) = (self.spec.length_m, self.edges.reach_m());
         let grading = Grading::new(thickness, bending.thickness_m, length_m, &self.turning, reach_m)?;
         Ok(Some(Arc::new(grading)))
     }
@@ -208,7 +215,7 @@ impl Plate {
         if let Model::Membrane { film, .. } = &mut plate.spec.model
             && film.take().is_some()
         {
-            plate.width.clone_from(&plate.outline);
+            plate.width.clone_from(&plate.edges);
             plate.set_turning_width(plate.spec.turning_width);
         }
         plate
@@ -289,14 +296,20 @@ impl Plate {
         self.spec.length_m
     }
 
-    /// Half-width W at `x` metres from the driven end, metres. Beyond the plate's end the taper is continued.
+    /// Half-width at `x` metres from the driven end, metres, with which every law computes: that of the cut and how far the edges
+    /// give. Beyond the plate's end the taper is continued.
     pub fn half_width_m(&self, x: f64) -> f64 {
+        self.edges.at(x).value.exp()
+    }
+
+    /// Half-width W of the plate as it is cut, at `x` metres from the driven end, metres: what calipers measure and a cut file draws.
+    pub fn cut_half_width_m(&self, x: f64) -> f64 {
         self.outline.at(x).value.exp()
     }
 
-    /// W'/W at `x`, 1/m; negative because the plate narrows.
+    /// Slope of [`Plate::half_width_m`] over it at `x`, 1/m; negative because the plate narrows.
     pub fn narrowing_per_m(&self, x: f64) -> f64 {
-        self.outline.at(x).slope
+        self.edges.at(x).slope
     }
 
     /// The half-width over which the wave swings at `x`, metres: W, less in a film.
@@ -390,10 +403,25 @@ impl Plate {
     }
 }
 
-/// The half-width over which a wave swings between the edges of `outline`.
-fn swinging(outline: &WidthLaw, spec: &PlateSpec) -> WidthLaw {
+/// The half-width between the edges of `outline`, which give as the specification says.
+///
+/// # Errors
+/// They give so far inward that no plate is left at its end.
+fn edges(outline: &WidthLaw, spec: &PlateSpec) -> Result<WidthLaw, PlateError> {
+    let Some(give_m) = spec.edge_give_m else { return Ok(outline.clone()) };
+    limits::EDGE_GIVE.check("edge_give_m", give_m)?;
+    let end_m = outline.at(spec.length_m).value.exp();
+    let left = Range { low: limits::HALF_WIDTH.low - end_m, ..limits::EDGE_GIVE };
+    if give_m < left.low {
+        return Err(left.refuse("edge_give_m", give_m, Some(Origin::EndHalfWidth(end_m + give_m))));
+    }
+    Ok(outline.giving(spec.length_m, give_m))
+}
+
+/// The half-width over which a wave swings between these edges.
+fn swinging(edges: &WidthLaw, spec: &PlateSpec) -> WidthLaw {
     match spec.model.film_square() {
-        Some(square) => film::membrane_width(outline, spec.length_m, square.sqrt()),
-        None => outline.clone(),
+        Some(square) => film::membrane_width(edges, spec.length_m, square.sqrt()),
+        None => edges.clone(),
     }
 }

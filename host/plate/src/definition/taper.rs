@@ -129,6 +129,13 @@ impl LogWidth {
     }
 }
 
+/// Intervals over the plate of a curve that follows from a taper: its cubics are right to 1e-11 and better.
+const INTERVALS: usize = 512;
+/// How far the curve goes on before the driven end and beyond the plate's end, over the length.
+const BEYOND: (f64, f64) = (0.05, 1.0);
+/// It ends before the edges meet.
+const REACH: f64 = 0.99;
+
 /// The taper prepared for evaluation; the slopes of a sampled taper are computed once.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum WidthLaw {
@@ -158,6 +165,56 @@ impl WidthLaw {
     /// The monotone curve through falling values of ln W at rising positions.
     pub(crate) fn curve(position: Vec<f64>, value: Vec<f64>) -> Self {
         let slope = monotone_slopes(&position, &value);
+        Self::Curve { position, value, slope }
+    }
+
+    /// The half-width between edges that give by `give_m`: W + delta. Straight edges stay straight.
+    ///
+    /// A narrow plate must be left at its end: W(L) + delta > 0.
+    pub(crate) fn giving(&self, length_m: f64, give_m: f64) -> Self {
+        match self {
+            law if give_m == 0.0 => law.clone(),
+            Self::Linear { half_width_m, fall } => {
+                Self::Linear { half_width_m: half_width_m + give_m, fall: *fall }
+            }
+            law => {
+                let reach_m = if give_m < 0.0 { law.place_of((-give_m).ln()) } else { f64::INFINITY };
+                law.mapped(length_m, reach_m, |at| {
+                    let cut_m = at.value.exp();
+                    ((cut_m + give_m).ln(), at.slope * cut_m / (cut_m + give_m))
+                })
+            }
+        }
+    }
+
+    /// The curve of another logarithm of a half-width, with its derivative, which follows from ln W and W'/W. It ends before
+    /// `reach_m`, where the edges would meet.
+    pub(crate) fn mapped(&self, length_m: f64, reach_m: f64, of: impl Fn(LogWidth) -> (f64, f64)) -> Self {
+        let longest = length_m / INTERVALS as f64;
+        let end = (length_m * (1.0 + BEYOND.1)).min(REACH * reach_m).max(length_m);
+        let mut corners = vec![-BEYOND.0 * length_m, 0.0];
+        if let Self::Curve { position, .. } = self {
+            corners.extend(position.iter().filter(|place| **place > 0.0 && **place < end));
+        }
+        corners.extend([length_m, end]);
+        corners.sort_by(f64::total_cmp);
+        let (mut position, mut value, mut slope) = (Vec::new(), Vec::new(), Vec::new());
+        let mut add = |x: f64| {
+            let (here, rise) = of(self.at(x));
+            position.push(x);
+            value.push(here);
+            slope.push(rise);
+        };
+        for pair in corners.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            // Two corners at one place: a sampled taper may end with the plate.
+            if to - from < 1e-9 * length_m {
+                continue;
+            }
+            let parts = ((to - from) / longest).ceil().max(1.0);
+            (0..parts as usize).for_each(|part| add(from + (to - from) * part as f64 / parts));
+        }
+        add(end);
         Self::Curve { position, value, slope }
     }
 

@@ -47,20 +47,20 @@ fn edge(plate: &Plate) -> Vec<[f64; 2]> {
     // A chord of length s deviates by s^2 W''/8 from a curve with second derivative W''. Here W'' = d^2 W, which is
     // largest at the wide end.
     let rate = plate.narrowing_per_m(0.0).abs() * 1e-3;
-    let bend = (plate.half_width_m(0.0) * 1e3 * rate * rate).max(1e-12);
+    let bend = (plate.cut_half_width_m(0.0) * 1e3 * rate * rate).max(1e-12);
     let chord = (8.0 * SAG_MM / bend).sqrt();
     let count = ((length_mm / chord).ceil() as usize + 1).clamp(2, EDGE_POINTS_MAX);
     (0..count)
         .map(|i| {
             let x = length_mm * i as f64 / (count - 1) as f64;
-            [x, plate.half_width_m(x * 1e-3) * 1e3]
+            [x, plate.cut_half_width_m(x * 1e-3) * 1e3]
         })
         .collect()
 }
 
 /// Outline of the window, mm: from before the sheet's wide end along the taper, around the narrow end and back.
 fn window(plate: &Plate) -> Vec<[f64; 2]> {
-    let wide = plate.half_width_m(0.0) * 1e3;
+    let wide = plate.cut_half_width_m(0.0) * 1e3;
     let start = -lead_in_mm(plate) - DRIVE_GAP_MM;
     closed(std::iter::once([start, wide]).chain(edge(plate)).collect())
 }
@@ -69,7 +69,7 @@ fn window(plate: &Plate) -> Vec<[f64; 2]> {
 fn lipped(plate: &Plate) -> Vec<[f64; 2]> {
     let mut upper = edge(plate);
     if lead_in(plate).is_some() {
-        upper.insert(0, [-lead_in_mm(plate), plate.half_width_m(0.0) * 1e3]);
+        upper.insert(0, [-lead_in_mm(plate), plate.cut_half_width_m(0.0) * 1e3]);
     }
     upper.extend(upper.last().map(|&[x, z]| [x + LIP_MM, z]));
     closed(upper.into_iter().map(|[x, z]| [x, z + LIP_MM]).collect())
@@ -99,8 +99,8 @@ fn bolts(start_mm: f64, wide_mm: f64, length_mm: f64, rim_mm: f64) -> impl Itera
 /// Drawing of the sheet.
 pub(super) fn plate(plate: &Plate, rim_m: f64, mounting: Mounting) -> Drawing {
     let (length, rim) = (plate.length_m() * 1e3, rim_m * 1e3);
-    let wide = plate.half_width_m(0.0) * 1e3;
-    let narrow = plate.half_width_m(plate.length_m()) * 1e3;
+    let wide = plate.cut_half_width_m(0.0) * 1e3;
+    let narrow = plate.cut_half_width_m(plate.length_m()) * 1e3;
     let mut shapes = Vec::new();
     let margin = if mounting == Mounting::Lip { LIP_MM } else { rim };
     let (half, end, start) = (wide + margin, length + margin, -lead_in_mm(plate));
@@ -122,8 +122,8 @@ pub(super) fn plate(plate: &Plate, rim_m: f64, mounting: Mounting) -> Drawing {
 /// Drawing of the frame.
 pub(super) fn frame(plate: &Plate, rim_m: f64, mounting: Mounting) -> Drawing {
     let (length, rim) = (plate.length_m() * 1e3, rim_m * 1e3);
-    let wide = plate.half_width_m(0.0) * 1e3;
-    let narrow = plate.half_width_m(plate.length_m()) * 1e3;
+    let wide = plate.cut_half_width_m(0.0) * 1e3;
+    let narrow = plate.cut_half_width_m(plate.length_m()) * 1e3;
     let start = -lead_in_mm(plate);
     let (left, right, half) = (start - DRIVE_GAP_MM - rim, length + rim, wide + rim);
     let mut shapes = vec![

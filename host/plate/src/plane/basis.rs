@@ -15,14 +15,16 @@ pub(super) enum Edges {
     Supported,
     /// Deflection and slope zero.
     Clamped,
+    /// Deflection zero, of a clamped plate whose edges turn against a spring, which is a term of the energy.
+    Turning,
 }
 
-/// (1 - b^2)^e P_2m(b) at b = z/W with e = 1 for supported and 2 for clamped edges: symmetric in z.
+/// (1 - b^2)^e P_2m(b) at b = z/W with e = 2 for clamped edges and 1 for all others: symmetric in z.
 pub(super) fn across(edges: Edges, order: usize, b: f64) -> Jet {
     let legendre = legendre(2 * order, b);
     let gap = 1.0 - b * b;
     let window = match edges {
-        Edges::Supported => Jet { value: gap, slope: -2.0 * b, bend: -2.0 },
+        Edges::Supported | Edges::Turning => Jet { value: gap, slope: -2.0 * b, bend: -2.0 },
         Edges::Clamped => Jet { value: gap * gap, slope: -4.0 * b * gap, bend: 12.0 * b * b - 4.0 },
     };
     Jet {

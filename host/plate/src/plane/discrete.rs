@@ -1,5 +1,6 @@
 //! The sheet divided into elements and polynomials: what the field and the reflection share.
 
+use super::basis::Edges;
 use super::error::PlaneError;
 use super::fluid::{AirForces, Fluid};
 use super::minimal_residual;
@@ -19,6 +20,8 @@ use std::f64::consts::TAU;
 const WORK_MAX: usize = 4_000_000_000;
 /// Elements per width of a finger, which are as short for one width on both sides of it.
 const ELEMENTS_PER_FINGER: i32 = 4;
+/// Polynomials more that resolve the slope at edges that hardly turn: it is not built into those polynomials.
+const ORDERS_OF_TURNING: usize = 2;
 /// Most polynomials more that resolve a finger on a plate that is wide against it.
 const FINGER_ORDERS_MAX: f64 = 12.0;
 
@@ -67,6 +70,8 @@ impl<'a> Discrete<'a> {
     ) -> Result<Self, PlaneError> {
         setup.validate(plate)?;
         let (edges, energy, level) = sheet(plate, frequency_hz);
+        let turns = setup.edge_compliance_m > 0.0;
+        let edges = if turns { Edges::Turning } else { edges };
         let wavenumber = plate.wavenumber_squared(frequency_hz).sqrt();
         let start = -setup.lead_in_m();
         let mut places = outline.corners();
@@ -85,7 +90,8 @@ impl<'a> Discrete<'a> {
 
         // Polynomials that resolve what propagates across the width: pi/2 per wavelength, and a few more.
         let across = (0.5 * wavenumber * outline.at(0.0).value.exp()).ceil() as usize + 3;
-        let orders = across.saturating_add(resolution.extra_orders + finger_orders + orders_of_edges(plate));
+        let orders_of_edges = orders_of_edges(plate) + if turns { ORDERS_OF_TURNING } else { 0 };
+        let orders = across.saturating_add(resolution.extra_orders + finger_orders + orders_of_edges);
         let longest_m = TAU / wavenumber / resolution.elements_per_wavelength;
         let nodes = ((end_m - start) / longest_m) as usize + places.len();
         let unknowns = nodes.saturating_mul(2 * orders);
@@ -94,11 +100,12 @@ impl<'a> Discrete<'a> {
         if unknowns > most {
             return Err(PlaneError::TooFine { frequency_hz, unknowns, most });
         }
+        let section = Section::new(edges, energy, orders, width_numbers(plate));
         Ok(Self {
             plate,
             frequency_hz,
             setup: *setup,
-            section: Section::new(edges, energy, orders, width_numbers(plate)),
+            section: if turns { section.turning_by(setup.edge_compliance_m) } else { section },
             mesh: Mesh::new(&places, longest_m),
             outline,
             modulus: modulus(plate, frequency_hz),

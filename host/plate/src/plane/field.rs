@@ -53,7 +53,7 @@ impl Field {
         resolution: Resolution,
     ) -> Result<Self, PlaneError> {
         check_frequency(plate, frequency_hz)?;
-        let outline = Outline::of(&plate.outline, setup.lead_in_m(), resolution.rounding);
+        let outline = Outline::of(&plate.edges, setup.lead_in_m(), resolution.rounding);
         let end_m = far_end(plate, frequency_hz);
         let discrete = Discrete::new(plate, frequency_hz, setup, outline, end_m, resolution)?;
         let unknowns = discrete.solve()?;
@@ -73,7 +73,7 @@ impl Field {
     /// beyond its end. Negative `x_m` is on the lead-in.
     #[must_use]
     pub fn at(&self, x_m: f64, z_m: f64) -> Complex64 {
-        let width = Outline::of(&self.plate.outline, self.lead_in_m, self.rounding).at(x_m).value.exp();
+        let width = Outline::of(&self.plate.edges, self.lead_in_m, self.rounding).at(x_m).value.exp();
         let is_on_sheet = (-self.lead_in_m..=self.plate.length_m()).contains(&x_m) && z_m.abs() <= width;
         if is_on_sheet { self.mapped(x_m, &self.section.values(z_m / width)) } else { Complex64::ZERO }
     }
@@ -116,7 +116,7 @@ impl Field {
 pub(super) fn far_end(plate: &Plate, frequency_hz: f64) -> f64 {
     let mode = plate.width_mode(1);
     let turning_point_m = mode.turning_point_m(frequency_hz);
-    let reach_m = plate.outline.reach_m() * (1.0 - 1e-6);
+    let reach_m = plate.edges.reach_m() * (1.0 - 1e-6);
     let step = 0.02 / mode.fall(turning_point_m).cbrt();
     let (mut place, mut exponents) = (turning_point_m, 0.0);
     while exponents < TAIL_EXPONENTS && place + step < reach_m {

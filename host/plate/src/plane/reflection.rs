@@ -34,7 +34,7 @@ const RESOLUTION: Resolution =
 pub fn reflection(plate: &Plate, frequency_hz: f64, setup: &Setup) -> Result<Complex64, PlaneError> {
     check_frequency(plate, frequency_hz)?;
     let cannot_enter = || PlaneError::from(RespondError::cannot_enter(plate, frequency_hz));
-    let log_width = plate.outline.at(0.0).value;
+    let log_width = plate.edges.at(0.0).value;
     let width_mode = plate.width_mode(1);
     let wavenumber = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
     // Close to the cut-off the wavelength is unbounded; a part of it also separates two waves.

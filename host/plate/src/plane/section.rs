@@ -11,7 +11,8 @@
 //!
 //! A membrane has the energy T (w_x v_x + w_z v_z), a plate
 //! D ((lap w)(lap v) - (1 - nu)(w_xx v_zz + w_zz v_xx - 2 w_xz v_xz)), both per area; a film has the sum of both. T and
-//! D are divided out here.
+//! D are divided out here. Edges that turn against a rotational stiffness D/c per length have the energy
+//! (D/c) (dw/dn) (dv/dn) per length of each edge, with dw/dn = sqrt(1 + W'^2) w_z because w = 0 along the edge.
 
 use super::basis::{Edges, Jet, across};
 use crate::definition::taper::LogWidth;
@@ -70,6 +71,10 @@ pub(super) struct Section {
     pub(super) projection: Vec<f64>,
     /// b p_n' as a sum of polynomials: the coefficient of p_m is at m orders + n.
     pub(super) slant: Vec<f64>,
+    /// 1/c of edges that turn, 1/m; 0 for all others.
+    edge_stiffness: f64,
+    /// p_n' at the edge b = 1.
+    edge_slopes: Vec<f64>,
 }
 
 /// Integrals over the width, in half-widths, of the products of two functions: a is p, s is b p', q is b^2 p'' + b p',
@@ -130,13 +135,13 @@ impl Section {
 
         let shape = |b: f64| match (edges, energy) {
             (Edges::Supported, _) => (q * b).cos(),
-            (Edges::Clamped, Energy::Film { .. }) => {
+            (Edges::Clamped | Edges::Turning, Energy::Film { .. }) => {
                 // cosh(r b)/cosh(r); cosh alone would overflow.
                 let bent =
                     |b: f64| (r * (b - 1.0)).exp() * (1.0 + (-2.0 * r * b).exp()) / (1.0 + (-2.0 * r).exp());
                 ((q * b).cos() - q.cos() * bent(b)) / (1.0 - q.cos() * bent(0.0))
             }
-            (Edges::Clamped, Energy::Tension | Energy::Bending(_)) => {
+            (Edges::Clamped | Edges::Turning, Energy::Tension | Energy::Bending(_)) => {
                 let (cosine, cosh) = (q.cos(), q.cosh());
                 ((q * b).cos() * cosh - (q * b).cosh() * cosine) / (cosh - cosine)
             }
@@ -186,7 +191,14 @@ impl Section {
             mode: mode.as_slice().to_vec(),
             projection: overlap.iter().map(|overlap| overlap / norm).collect(),
             slant,
+            edge_stiffness: 0.0,
+            edge_slopes: (0..orders).map(|m| across(edges, m, 1.0).slope).collect(),
         }
+    }
+
+    /// The same with edges that turn by a moment per length over D of 1/`compliance_m` per radian.
+    pub(super) fn turning_by(self, compliance_m: f64) -> Self {
+        Self { edge_stiffness: compliance_m.recip(), ..self }
     }
 
     /// A form of zeros of the right size, for [`Section::fill`].
@@ -201,6 +213,8 @@ impl Section {
         let inverse = (width * width).recip();
         let g = &self.products;
         let orders = self.orders;
+        // Of both edges, each sqrt(1 + W'^2) dx long.
+        let of_edges = 2.0 * self.edge_stiffness * inverse * (1.0 + (s * width).powi(2)).powf(1.5);
         let tension = |at: usize, turned: usize| {
             [s * s * g.s_s[at] + inverse * g.d_d[at], -s * g.a_s[turned], 0.0, self.mass[at], 0.0, 0.0]
         };
@@ -233,7 +247,8 @@ impl Section {
                     }
                 };
                 // `fs` couples f of p_m with f' of p_n; the transposed term couples f' of p_n with f of p_m.
-                form.terms[0][0][at] = width * ff;
+                let turned_edges = of_edges * self.edge_slopes[m] * self.edge_slopes[n];
+                form.terms[0][0][at] = width * ff + turned_edges;
                 form.terms[0][1][at] = width * fs;
                 form.terms[1][0][turned] = width * fs;
                 form.terms[0][2][at] = width * fb;

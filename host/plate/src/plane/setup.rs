@@ -4,6 +4,7 @@ use super::error::PlaneError;
 use crate::definition::drive::DriveEnd;
 use crate::definition::impedance::Impedance;
 use crate::definition::limits;
+use crate::definition::model::Model;
 use crate::definition::plate::Plate;
 use crate::definition::source::{EndSlope, LeadIn, Source};
 use crate::frequency::Finger;
@@ -60,14 +61,14 @@ pub enum End {
 ///
 /// let plate = preset("al-bending").unwrap();
 /// let end = plane::End::Damper { ratio: 1.0, at_frequency_hz: 28e3 };
-/// let damper = plane::Setup { end, lead_in: None, finger: None };
+/// let damper = plane::Setup { end, ..plane::Setup::of(&plate) };
 /// let lead_in = LeadIn { length_m: 0.06, loss_factor: 0.2, end_resistance_n_s_per_m: 0.0 };
 /// let soft = plane::End::Source {
 ///     impedance: slipline_plate::Impedance::default(),
 ///     force: plane::Force::OfWave { multiple: 2.0, at_frequency_hz: 28e3 },
 ///     slope: slipline_plate::EndSlope::Free,
 /// };
-/// let setup = plane::Setup { end: soft, lead_in: Some(lead_in), finger: None };
+/// let setup = plane::Setup { end: soft, lead_in: Some(lead_in), ..damper };
 /// let reflected = |setup| plane::reflection(&plate, 28e3, setup).unwrap().norm();
 /// assert!(reflected(&setup) < 0.3 && reflected(&damper) > 0.5);
 /// ```
@@ -79,6 +80,9 @@ pub struct Setup {
     pub lead_in: Option<LeadIn>,
     /// A finger on the centre line, with the same impedance per area everywhere in its contact.
     pub finger: Option<Finger>,
+    /// Compliance c of clamped edges, metres (0 to 0.1): they turn against a rotational stiffness of D/c per length. 0 for edges
+    /// that do not turn, and on plates without clamped edges in bending.
+    pub edge_compliance_m: f64,
 }
 
 impl Setup {
@@ -108,7 +112,7 @@ impl Setup {
                 }
             }
         };
-        Self { end, lead_in, finger: None }
+        Self { end, lead_in, finger: None, edge_compliance_m: 0.0 }
     }
 
     /// Length of the lead-in, metres; 0 without one.
@@ -151,6 +155,9 @@ impl Setup {
             }
             lead_in.validate()?;
         }
+        let is_clamped = matches!(plate.spec().model, Model::BendingClamped(_));
+        let turning = Range::new(0.0, if is_clamped { 0.1 } else { 0.0 }, "m");
+        OutOfRange::check("edge_compliance_m", self.edge_compliance_m, turning)?;
         if let Some(finger) = self.finger {
             finger.check(plate)?;
         }

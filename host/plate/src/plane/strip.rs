@@ -155,7 +155,7 @@ pub(crate) fn wavenumber_squared(plate: &Plate, x: f64, frequency_hz: f64) -> Op
     let level = energy.level(plate.wavenumber_squared(frequency_hz) * plate.width_mode(1).local(x));
     let orders = ORDERS_OF_A_MODE + orders_of_edges(plate);
     let section = Section::new(edges, energy, orders, width_numbers(plate));
-    mode(&section, plate.outline.at(x).value, level, 0).map(|mode| mode.square)
+    mode(&section, plate.edges.at(x).value, level, 0).map(|mode| mode.square)
 }
 
 /// Number of polynomials for the first width mode alone.
@@ -197,6 +197,26 @@ mod tests {
     }
 
     #[test]
+    fn a_strip_whose_edges_turn_cuts_off_where_a_clamped_one_does_that_is_wider_by_their_compliance() {
+        for compliance_m in [1e-5, 1e-4, 4e-4, 1e-3] {
+            let section = section(Edges::Turning, 12).turning_by(compliance_m);
+            // tan p + tanh p = -2 p c/W: the moment D w_zz at the edge turns it by w_z = -c w_zz.
+            let residual = |p: f64| p.tan() + p.tanh() + 2.0 * p * compliance_m / W;
+            let (mut low, mut high) = (1.6, 2.365_020_372_431_352);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if residual(middle) < 0.0 { low = middle } else { high = middle }
+            }
+            let at_cut_off = mode(&section, W.ln(), (low / W).powi(4), 0).unwrap();
+            assert!(at_cut_off.square.abs() < 1e-5 * (low / W).powi(2), "{compliance_m}: {at_cut_off:?}");
+            // That of a clamped strip of the half-width W + c, to the first order.
+            let wider = 2.365_020_372_431_352 / (1.0 + compliance_m / W);
+            let second = (compliance_m / W).powi(2);
+            assert!((low / wider - 1.0).abs() < 3.0 * second, "{compliance_m}: {low} {wider}");
+        }
+    }
+
+    #[test]
     fn a_strip_of_a_film_obeys_the_exact_dispersion_relation_and_carries_its_power() {
         let (edge_m, width_m): (f64, f64) = (2e-3, 0.02);
         let energy = Energy::Film { poisson_ratio: 0.38, square: edge_m * edge_m };
@@ -229,7 +249,7 @@ mod tests {
             let (p, r) = (W * inner.sqrt(), W * outer.sqrt());
             let shape = |b: f64| match edges {
                 Edges::Supported => (p * b).cos(),
-                Edges::Clamped => (p * b).cos() - (r * b).cosh() / r.cosh() * p.cos(),
+                Edges::Clamped | Edges::Turning => (p * b).cos() - (r * b).cosh() / r.cosh() * p.cos(),
             };
             let square = |(b, weight): (f64, f64)| 2.0 * W * weight * (shape(b) / shape(0.0)).powi(2);
             let norm: f64 = gauss(30).into_iter().map(square).sum();

@@ -44,6 +44,29 @@ fn a_specification_reads_back_from_its_own_text_which_names_no_file() {
 }
 
 #[test]
+fn edges_give_by_an_offset_also_where_the_file_leaves_them_out() {
+    let vary = "[vary]\nedge_give_m = { offset = 3e-4 }";
+    let text = format!("plate = \"membrane\"\nseed = 7\ncount = 400\nturning_point_m = [0.16]\n{vary}");
+    let spec = spec_of(&text).unwrap();
+    assert_eq!(spec_of(&spec.to_toml()).unwrap(), spec);
+    assert_eq!((spec.varied()[0].nominal, spec.varied()[0].column().as_str()), (0.0, "vary_edge_give_m"));
+    let study = crate::study::Study::new(spec, &mut slipline_plate::Progress::unwatched()).unwrap();
+    let chunk = study.run_range(0..400);
+    let (mut shift, mut give, mut square) = (0.0, 0.0, 0.0);
+    for (give_m, shift_m) in chunk.varied.iter().zip(&chunk.turning_point_shift_m) {
+        shift += give_m * shift_m;
+        give += give_m * give_m;
+        square += give_m * give_m / 400.0;
+    }
+    // delta/(W d) with W = 23.9 mm at 160 mm; the arc changes it by a hundredth.
+    let per_metre = 1.0 / (4.62 * 0.05 * (-4.62_f64 * 0.16).exp());
+    assert!((shift / give / per_metre - 1.0).abs() < 0.02, "{} {per_metre}", shift / give);
+    assert!((square.sqrt() / 3e-4 - 1.0).abs() < 0.1, "{}", square.sqrt());
+    let text = text.replace("offset", "normal");
+    assert!(spec_of(&text).unwrap_err().to_string().contains("use offset"));
+}
+
+#[test]
 fn the_text_does_not_depend_on_how_the_specification_was_written() {
     let canonical = spec_of(TEXT).unwrap().to_toml();
     let turned = r#"

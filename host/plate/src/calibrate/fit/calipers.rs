@@ -31,14 +31,14 @@ impl Calipers {
         let narrower = Range { high: 0.999 * half_width_m, ..limits::HALF_WIDTH };
         narrower.check("end_half_width_m", end_half_width_m)?;
         let fall = (half_width_m / end_half_width_m).ln();
-        let nominal = (plate.half_width_m(0.0) / plate.half_width_m(plate.length_m())).ln();
+        let nominal = (plate.cut_half_width_m(0.0) / plate.cut_half_width_m(plate.length_m())).ln();
         let mut spec = plate.spec().clone();
         spec.length_m = length_m;
         spec.taper = match &spec.taper {
             Taper::Exponential { .. } => Taper::Exponential { half_width_m, rate_per_m: fall / length_m },
             Taper::Linear { .. } => Taper::Linear { half_width_m, end_half_width_m },
             taper @ Taper::Sampled { .. } => {
-                taper.stretched(half_width_m / plate.half_width_m(0.0), fall / nominal)
+                taper.stretched(half_width_m / plate.cut_half_width_m(0.0), fall / nominal)
             }
         };
         let ends = tolerance_m / half_width_m;

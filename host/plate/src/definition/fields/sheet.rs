@@ -32,6 +32,7 @@ const WRITTEN: &[&str] = &[
     "loss_factor",
     "wave_speed_tolerance",
     "loss_tolerance",
+    "edge_give_m",
     "turning_width",
     "full_scale_m",
     "span_start_m",
@@ -57,6 +58,9 @@ pub(crate) const PLATE: Section = Section {
         wave_speed_tolerance: FieldType::Number(limits::WAVE_SPEED_TOLERANCE), "how well the wave speed is known"
             (or 0.0)
             { spec.wave_speed_tolerance, it => Slot::Number(it) };
+        edge_give_m: FieldType::Number(limits::EDGE_GIVE), "how far the edges give beyond the cut" ["Edges give", MM]
+            (or 0.0)
+            { spec.edge_give_m, it => Slot::Optional(it) };
         turning_width: FieldType::OneOf(TURNING_WIDTHS), "the width that decides where a wave turns"
             { spec.turning_width, it => Slot::Width(it) };
         loss_tolerance: FieldType::Number(limits::LOSS_TOLERANCE), "how well the loss factor is known"

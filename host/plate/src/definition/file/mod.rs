@@ -86,6 +86,7 @@ fn blank() -> PlateSpec {
         name: String::new(),
         description: String::new(),
         taper: Taper::Sampled { points: Vec::new() },
+        edge_give_m: None,
         turning_width: TurningWidth::default(),
         length_m: 0.0,
         model: Model::Membrane { wave_speed_m_per_s: 0.0, tension_n_per_m: None, film: None },

@@ -74,7 +74,7 @@ fn the_clamped_taper_peaks_at_180_7_mm_where_the_width_mode_says_180_5() {
 /// |amplitude| of a width mode at 2001 uniform places, where the driven end moves in the shape of a width mode with the
 /// amplitude 1: `modes` are the numbers of the one that is driven and of the one that is asked for.
 fn along(plate: &Plate, frequency_hz: f64, modes: [u32; 2]) -> Vec<f64> {
-    let outline = Outline::of(&plate.outline, 0.0, RESOLUTION.rounding);
+    let outline = Outline::of(&plate.edges, 0.0, RESOLUTION.rounding);
     let setup = Setup { end: End::Displacement(Slope::Free), ..Setup::of(plate) };
     let end_m = far_end(plate, frequency_hz);
     let mut discrete = Discrete::new(plate, frequency_hz, &setup, outline, end_m, RESOLUTION).unwrap();

@@ -35,7 +35,7 @@ impl Panel {
     /// A rectangle whose four edges are alike.
     fn rectangle(edges: Edges, length: f64, half_width: f64, elements: f64, orders: usize) -> Self {
         let ends = match edges {
-            Edges::Supported => [Condition::Supported; 2],
+            Edges::Supported | Edges::Turning => [Condition::Supported; 2],
             Edges::Clamped => [Condition::Clamped; 2],
         };
         Self { edges, ends, poisson_ratio: 0.33, length, half_widths: [half_width; 2], elements, orders }

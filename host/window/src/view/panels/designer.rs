@@ -81,7 +81,7 @@ const SAVE: [Offer; 2] = [
 
 fn figures(ui: &mut egui::Ui, design: &Design) {
     let plate = &design.plate;
-    let width = |x_m: f64| show_length(2.0 * plate.half_width_m(x_m));
+    let width = |x_m: f64| show_length(2.0 * plate.cut_half_width_m(x_m));
     row(ui, "Width, driven end", width(0.0));
     row(ui, "Width, narrow end", width(plate.length_m()));
     row(ui, "Taper rate", format!("{:.3} 1/m", design.rate_per_m));

@@ -38,9 +38,9 @@ pub(crate) fn show(
     let across = 0.5 * rect.height() - 16.0;
     let along = axis.points_per_m().min(screen.span() / plate.length_m() as f32);
     // A very wide plate is drawn narrower, as the present one is.
-    let scale = along.min(across / plate.half_width_m(0.0) as f32);
+    let scale = along.min(across / plate.cut_half_width_m(0.0) as f32);
     let at = |x_m: f64| screen.min + x_m as f32 * along;
-    let half = |x_m: f64| plate.half_width_m(x_m) as f32 * scale;
+    let half = |x_m: f64| plate.cut_half_width_m(x_m) as f32 * scale;
     let middle = rect.center().y;
     let places = (0..POINTS).map(|i| i as f64 / (POINTS - 1) as f64 * plate.length_m());
     let upper: Vec<Pos2> = places.map(|x_m| pos2(at(x_m), middle - half(x_m))).collect();

@@ -81,7 +81,10 @@ pub(super) fn changed(plate: &Plate, set: impl FnOnce(&mut PlateSpec)) -> Result
 }
 
 fn shape(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
-    numbers.show(ui, &["length_m", "taper.half_width_m", "taper.rate_per_m", "taper.end_half_width_m"]);
+    numbers.show(
+        ui,
+        &["length_m", "taper.half_width_m", "taper.rate_per_m", "taper.end_half_width_m", "edge_give_m"],
+    );
     if let Taper::Sampled { points } = &numbers.plate.spec().taper {
         row(ui, &Panel::Plate.field("taper.half_width_m"), format!("{} points from the file", points.len()));
     }
