@@ -317,7 +317,7 @@ impl Device {
     ) -> PyResult<Answer<Trim>> {
         self.check_block("trim()")?;
         let band = Band { points, low_hz, high_hz, level: Some(level), sweep };
-        let wish = Wish::new(Some(place_m), kind, "sensor", band, Circuit::UNKNOWN)?;
+        let wish = Wish::new((Some(place_m), kind, None), "sensor", band, Circuit::UNKNOWN)?;
         self.trim_plate(py, wish, duration_s)
     }
 

@@ -52,8 +52,8 @@ fn edges_give_by_an_offset_also_where_the_file_leaves_them_out() {
     assert_eq!((spec.varied()[0].nominal, spec.varied()[0].column().as_str()), (0.0, "vary_edge_give_m"));
     let study = crate::study::Study::new(spec, &mut slipline_plate::Progress::unwatched()).unwrap();
     let chunk = study.run_range(0..400);
-    let (mut shift, mut give, mut square) = (0.0, 0.0, 0.0);
-    for (give_m, shift_m) in chunk.varied.iter().zip(&chunk.turning_point_shift_m) {
+    let (mut shift, mut give, mut square) = (0.0, 0.0, 0.0_f64);
+    for (give_m, shift_m) in chunk.varied.iter().zip(&chunk.results[0]) {
         shift += give_m * shift_m;
         give += give_m * give_m;
         square += give_m * give_m / 400.0;
