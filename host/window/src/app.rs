@@ -312,6 +312,9 @@ impl App {
             // By the mean, which is drawn: what all tones could reach together is a bound far over it.
             let mean_m = shown.predicted.rms_m.iter().copied().fold(0.0, f64::max);
             let drawn_m = shown.texture.draft.level_m.filter(|_| shown.texture.is_drawn).unwrap_or(0.0);
+            // While it is drawn it stands where the pointer is, beyond what the tones reach.
+            let shown_share = if self.view.brush.is_drawing() { 1.0 } else { shown.texture.reached };
+            let drawn_m = shown_share * drawn_m;
             2.0 * SQRT_2 * mean_m.max(drawn_m)
         } else {
             shown.sounding.map_or(0.0, SteadyField::highest_m).max(shown.predicted.highest_m())

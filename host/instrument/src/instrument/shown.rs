@@ -181,6 +181,9 @@ pub struct TextureScene<'a> {
     pub is_given_up: bool,
     /// Whether the draft is drawn over the envelope, and the setup's tones are those of the drawing.
     pub is_drawn: bool,
+    /// The share of the drawn height that the tones can reach, 0 to 1: the shape is fitted, as high as it was drawn where that is
+    /// possible.
+    pub reached: f64,
 }
 
 /// The page of measurements.

@@ -227,3 +227,26 @@ fn a_fit_that_comes_after_another_change_belongs_to_no_drawing_any_more() {
     settle(&mut instrument);
     assert_eq!(instrument.desk.setup(), &before, "nothing comes later");
 }
+
+#[test]
+fn a_second_stroke_goes_on_from_the_height_that_the_first_one_has_reached() {
+    let (mut instrument, wire) = driven();
+    let settle = |instrument: &mut Instrument| {
+        for _ in 0..5 {
+            wire.turn(instrument);
+        }
+    };
+    let height_m = |instrument: &Instrument| instrument.shown().texture.draft.drawn_m(0.1).unwrap();
+    // Half a metre is beyond every plate.
+    instrument.desk.begin_gestures(1);
+    instrument.draw_texture(&[(0.05, 0.5), (0.2, 0.5)]);
+    settle(&mut instrument);
+    let reached = instrument.shown().texture.reached;
+    let seen_m = reached * height_m(&instrument);
+    assert!(reached > 0.0 && seen_m < 1e-2, "{reached}");
+    instrument.desk.begin_gestures(1);
+    instrument.draw_texture(&[(0.22, 0.5 * seen_m), (0.25, 0.5 * seen_m)]);
+    assert!((height_m(&instrument) / seen_m - 1.0).abs() < 1e-6, "{seen_m}");
+    settle(&mut instrument);
+    assert!(instrument.shown().texture.reached > 0.5, "{}", instrument.shown().texture.reached);
+}

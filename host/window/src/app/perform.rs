@@ -159,10 +159,12 @@ impl App {
                 Intent::ShowAmplitude(show) => self.settings.show_amplitude = show,
                 Intent::ShowRelief(show) => self.settings.show_relief = show,
                 Intent::ShowPanel(show) => {
+                    self.view.log.is_open &= !show;
                     self.settings.show_panel = show;
                     self.settings.in_front = if show { Part::Panel } else { Part::Plots };
                 }
                 Intent::ShowPlots(show) => {
+                    self.view.log.is_open &= !show;
                     self.settings.show_plots = show;
                     self.settings.in_front = if show { Part::Plots } else { Part::Panel };
                 }

@@ -8,15 +8,17 @@ use slipline_plate::design::Design;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The filter of the log.
+/// The log's drawer, and its filter.
 pub(crate) struct LogView {
+    /// Whether it is open, over the lower row.
+    pub(crate) is_open: bool,
     pub(crate) least: Severity,
     pub(crate) filter: String,
 }
 
 impl Default for LogView {
     fn default() -> Self {
-        Self { least: Severity::Info, filter: String::new() }
+        Self { is_open: false, least: Severity::Info, filter: String::new() }
     }
 }
 
@@ -55,9 +57,26 @@ pub(crate) struct TypedPath {
 /// The design that is drawn: while another one is made, the latest.
 pub(crate) type Sketched = Option<Arc<Design>>;
 
+/// What the lower row shows, by its tabs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum LowerPlot {
+    #[default]
+    Waveform,
+    Spectrum,
+    Finger,
+    /// The meters, where they have no column beside the plot.
+    Meters,
+}
+
 /// The state of the plots.
 #[derive(Default)]
 pub(crate) struct PlotsView {
+    /// What the user has chosen; before that a finger has its trace there, as the finger does not change the drive.
+    pub(crate) chosen: Option<LowerPlot>,
+    /// What is shown.
+    pub(crate) open: LowerPlot,
+    /// Whether the row is too narrow for a column of meters.
+    pub(crate) has_meters_tab: bool,
     /// The content; frozen while the plots are paused.
     pub(crate) shown: Option<PlotsContent>,
     /// The curve that is held to be compared: seconds and share of full scale.
@@ -68,6 +87,17 @@ pub(crate) struct PlotsView {
     pub(crate) is_magnified: bool,
     /// Whether the frequency axis is logarithmic.
     pub(crate) is_logarithmic: bool,
+}
+
+impl PlotsView {
+    /// Opens the plot of this picture.
+    pub(crate) fn open(&mut self, has_finger: bool, has_meters_tab: bool) -> LowerPlot {
+        let usual = if has_finger { LowerPlot::Finger } else { LowerPlot::Waveform };
+        // A column beside the plot has the meters of a row that was narrower.
+        let chosen = self.chosen.filter(|chosen| has_meters_tab || *chosen != LowerPlot::Meters);
+        (self.open, self.has_meters_tab) = (chosen.unwrap_or(usual), has_meters_tab);
+        self.open
+    }
 }
 
 /// The content of the plots besides the codes.

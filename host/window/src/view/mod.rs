@@ -5,7 +5,7 @@
 //! bars/top_bar ........................... STOP
 //! stage/: plate, envelope, felt strip (one x axis)     panels/side_panel: boundary, tones, texture, plate, device, play
 //!    or plots/response: level, phase, residual, Nyquist
-//! bars/bottom_row: plots/ (waveform or finger trace, spectrum), meters, log; or bars/tour
+//! bars/bottom_row: plots/ (waveform, spectrum or finger trace), meters; or bars/log, bars/tour
 //! bars/status_line: messages
 //! ```
 //! `fields` are the inputs that panels and dialogs share, `dialogs` what stands over the window. `ViewState` holds the
@@ -29,7 +29,7 @@ pub(crate) use state::{PlatePage, Tab, ViewState};
 
 use crate::intent::Intents;
 use crate::scene::Scene;
-use bars::{bottom_row, status_line, top_bar, tour};
+use bars::{bottom_row, log, status_line, top_bar, tour};
 use eframe::egui;
 use panels::side_panel;
 use plots::response;
@@ -43,17 +43,17 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
         .resizable(false)
         .show(ui, |ui| top_bar::show(ui, scene, &mut intents));
     let size = ui.ctx().content_rect().size();
-    let room = room::Room::of(size, scene.settings);
+    let room = room::Room::of(size, scene.settings, view.log.is_open);
     let low = frame.inner_margin(egui::Margin::symmetric(14, 0));
-    egui::Panel::bottom("status").frame(low).exact_size(room.status_height()).resizable(false).show(
-        ui,
-        |ui| {
-            ui.horizontal_centered(|ui| {
-                room.switch(ui, &mut intents);
-                status_line::show(ui, scene, &mut view.notices, &mut intents);
-            });
-        },
-    );
+    egui::Panel::bottom("status")
+        .frame(low)
+        .exact_size(status_line::HEIGHT)
+        .resizable(false)
+        .show(ui, |ui| ui.horizontal_centered(|ui| status(ui, room, scene, view, &mut intents)));
+    // As high as the window: with the lower row under the stage alone, its first page is whole at 1280 x 720.
+    if room.below.is_none() {
+        panel(ui, room, scene, view, &mut intents);
+    }
     if let Some(shown) = scene.tour {
         // In the place of the plots: what it speaks of is the stage and the panel.
         egui::Panel::bottom("tour")
@@ -68,12 +68,8 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
             .resizable(false)
             .show(ui, |ui| bottom_row::show(ui, scene, view, &mut intents));
     }
-    if room.panel {
-        let side = match room.below {
-            Some(height) => egui::Panel::bottom("below").exact_size(height),
-            None => egui::Panel::right("side").exact_size(side_panel::WIDTH),
-        };
-        side.frame(frame).resizable(false).show(ui, |ui| side_panel::show(ui, scene, view, &mut intents));
+    if room.below.is_some() {
+        panel(ui, room, scene, view, &mut intents);
     }
     if view.tab != Tab::Texture {
         view.brush = Brush::default();
@@ -91,4 +87,39 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
     });
     dialogs::show(ui, scene, view, &mut intents);
     intents
+}
+
+/// The status line between the buttons that open the parts of the window.
+fn status(
+    ui: &mut egui::Ui,
+    room: room::Room,
+    scene: &Scene<'_>,
+    view: &mut ViewState,
+    intents: &mut Intents,
+) {
+    room.switch(ui, view.log.is_open, intents);
+    // Visitors read no log.
+    if scene.visitors.is_none() {
+        log::switch(ui, &mut view.log);
+    }
+    status_line::show(ui, scene, &mut view.notices, intents);
+}
+
+/// The panel at the side of the stage, or below it.
+fn panel(
+    ui: &mut egui::Ui,
+    room: room::Room,
+    scene: &Scene<'_>,
+    view: &mut ViewState,
+    intents: &mut Intents,
+) {
+    if !room.panel {
+        return;
+    }
+    let side = match room.below {
+        Some(height) => egui::Panel::bottom("below").exact_size(height),
+        None => egui::Panel::right("side").exact_size(side_panel::WIDTH),
+    };
+    let frame = egui::Frame::new().inner_margin(theme::MARGIN);
+    side.frame(frame).resizable(false).show(ui, |ui| side_panel::show(ui, scene, view, intents));
 }

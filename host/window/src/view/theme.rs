@@ -106,8 +106,8 @@ pub fn install(ctx: &egui::Context) {
 fn dress(style: &mut egui::Style, palette: &Palette) {
     style.text_styles = [
         (TextStyle::Small, FontId::proportional(12.5)),
-        (TextStyle::Body, FontId::proportional(13.5)),
-        (TextStyle::Button, FontId::proportional(13.5)),
+        (TextStyle::Body, FontId::proportional(13.0)),
+        (TextStyle::Button, FontId::proportional(13.0)),
         (TextStyle::Heading, FontId::proportional(16.0)),
         (TextStyle::Monospace, FontId::monospace(12.0)),
     ]

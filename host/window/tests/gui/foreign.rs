@@ -15,7 +15,7 @@ use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-fn drop_file(app: &mut TestApp, name: &str, bytes: &[u8]) {
+pub(crate) fn drop_file(app: &mut TestApp, name: &str, bytes: &[u8]) {
     let path = PathBuf::from(name);
     *app.files.profiles.borrow_mut() = vec![(path.clone(), Ok(bytes.to_vec()))];
     app.window.input_mut().dropped_files = vec![Arc::new(Dropped(path))];

@@ -68,6 +68,7 @@ mod stop;
 mod stop_keys;
 mod tab_order;
 mod test_app;
+mod texts;
 mod textures;
 mod tooltips;
 mod tour;

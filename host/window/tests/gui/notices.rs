@@ -66,9 +66,12 @@ fn a_message_covers_nothing_that_is_used_or_watched() {
     let mut app = TestApp::driving();
     for size in [[1280.0, 800.0], [960.0, 620.0]] {
         app.window.set_size(size.into());
+        if !app.has("Log") {
+            app.click("Open the log", 100);
+        }
         save(&mut app);
         let message = app.window.get_by_label("Saved setup.toml").rect().expand(8.0);
-        for name in ["Wave", "Amplitude", "STOP", "Boundary", "Fit Spectrum", "Copy", "Filter the log"] {
+        for name in ["Wave", "Amplitude", "STOP", "Boundary", "Close the log", "Copy", "Filter the log"] {
             for node in app.window.query_all_by_label(name) {
                 assert!(!message.intersects(node.rect()), "{size:?}: {name}");
             }

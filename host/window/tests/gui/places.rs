@@ -81,7 +81,7 @@ const EXCEPTIONS: [(&[&str], May, &str); 11] = [
     (&["Hold the level"], May::Below, "the state of the hold comes under it"),
     (&["Remove "], May::Page, "a row leaves its list, which closes up"),
     (&["Solid", "Profile", "Stripes", "Beat"], May::Page, "another kind of texture has other fields"),
-    (&["Panel", "Plots"], May::Room, "the stage takes the room"),
+    (&["Panel", "Plots", "Open the log"], May::Room, "the stage takes the room"),
     (
         &["Disconnect", "New", "Plate: ", "Use this plate"],
         May::Page,

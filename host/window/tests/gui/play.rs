@@ -100,13 +100,14 @@ fn head_s(app: &TestApp) -> f64 {
 }
 
 #[test]
-fn a_recorded_drag_has_a_time_line_under_the_axis_on_which_a_time_is_chosen() {
+fn a_recorded_drag_has_a_time_line_on_which_a_time_is_chosen_and_the_stage_keeps_its_size_for_it() {
     let mut app = TestApp::driving();
     assert_eq!(time_line(&app), None);
+    let stage = line_rect(&app).y_range();
     let recorded = record_drag(&mut app);
     let line = time_line(&app).unwrap();
-    let strip = line_rect(&app);
-    assert!(line.top() > strip.bottom() && line.width() > 400.0 && line.height() >= 24.0, "{line} {strip}");
+    assert_eq!(line_rect(&app).y_range(), stage);
+    assert!(line.width() > 250.0 && line.height() >= 24.0, "{line}");
     let last = boundary_mm(&app);
     // The places are as far apart in time as the moves were.
     let moves = app.window.state().recorder().recording().moves().to_vec();

@@ -35,7 +35,8 @@ pub(crate) fn words(picture: &FullOutput) -> Vec<(String, Rect)> {
 
 /// The labels of both axes of a plot, in the order of their places.
 fn labels(app: &TestApp, plot: &str) -> (Vec<String>, Vec<String>) {
-    let head = app.window.get_by_label(plot).rect();
+    // The first of the tabs over the plot.
+    let head = app.window.get_by_label(PLOTS[0]).rect();
     let fit = app.window.get_by_label(&format!("More: {plot}")).rect();
     // In a small window the row ends at the button that opens it.
     let switch = app.window.query_by_label("Plots").map(|button| button.rect().top() - 6.0);
@@ -58,6 +59,19 @@ fn labels(app: &TestApp, plot: &str) -> (Vec<String>, Vec<String>) {
 
 const PLOTS: [&str; 2] = ["Drive waveform", "Spectrum"];
 
+/// Opens the tab of a plot of the lower row.
+pub(crate) fn open_plot(app: &mut TestApp, plot: &str) {
+    app.click(plot, 100);
+}
+
+/// The labels of each plot, which are opened one after the other.
+fn all_labels(app: &mut TestApp) -> [(Vec<String>, Vec<String>); 2] {
+    PLOTS.map(|plot| {
+        open_plot(app, plot);
+        labels(app, plot)
+    })
+}
+
 #[test]
 fn every_axis_has_two_labels_at_least_for_every_plate_and_in_every_window() {
     let mut app = TestApp::driving();
@@ -74,6 +88,7 @@ fn every_axis_has_two_labels_at_least_for_every_plate_and_in_every_window() {
                 app.click("Plots", 100);
             }
             for plot in PLOTS {
+                open_plot(&mut app, plot);
                 let (x, y) = labels(&app, plot);
                 assert!(x.len() >= 2 && y.len() >= 2, "{} {size:?} {plot}: {x:?} {y:?}", preset.name);
                 let units = x.iter().filter(|label| label.contains(' ')).count();
@@ -86,23 +101,26 @@ fn every_axis_has_two_labels_at_least_for_every_plate_and_in_every_window() {
 #[test]
 fn the_axes_stay_while_the_boundary_is_dragged_and_while_the_plots_are_held() {
     let mut app = TestApp::driving();
-    let before = PLOTS.map(|plot| labels(&app, plot));
-    let line = line_rect(&app).center();
-    app.grab(line, 0);
-    for step in [-60.0, 40.0, 90.0] {
-        app.hover(line + vec2(step, 0.0), 200);
-        assert_eq!(PLOTS.map(|plot| labels(&app, plot)), before, "dragged by {step}");
+    let before = all_labels(&mut app);
+    for (number, plot) in PLOTS.into_iter().enumerate() {
+        open_plot(&mut app, plot);
+        let line = line_rect(&app).center();
+        app.grab(line, 0);
+        for step in [-60.0, 40.0, 90.0] {
+            app.hover(line + vec2(step, 0.0), 200);
+            assert_eq!(labels(&app, plot), before[number], "dragged by {step}");
+        }
+        app.release(line, 200);
     }
-    app.release(line + vec2(90.0, 0.0), 200);
     app.key(Key::P, 200);
-    assert_eq!(PLOTS.map(|plot| labels(&app, plot)), before, "held");
+    assert_eq!(all_labels(&mut app), before, "held");
     // Paused plots keep their axes, whatever changes in the setup.
     type_into(&mut app, "Boundary position", "90 mm");
     open_plate(&mut app, slipline_plate::preset("al-bending").unwrap().to_toml());
     app.wait(1500);
-    assert_eq!(PLOTS.map(|plot| labels(&app, plot)), before, "held, with another plate");
+    assert_eq!(all_labels(&mut app), before, "held, with another plate");
     app.key(Key::P, 300);
-    assert_ne!(PLOTS.map(|plot| labels(&app, plot)), before, "those of the other plate");
+    assert_ne!(all_labels(&mut app), before, "those of the other plate");
 }
 
 /// The numbers of the labels of a plot's x axis.
@@ -114,7 +132,7 @@ fn x_numbers(app: &TestApp, plot: &str) -> Vec<f64> {
 /// The middle of a plot.
 fn middle(app: &TestApp, plot: &str) -> Pos2 {
     let (head, more) =
-        (app.window.get_by_label(plot).rect(), app.window.get_by_label(&format!("More: {plot}")).rect());
+        (app.window.get_by_label(PLOTS[0]).rect(), app.window.get_by_label(&format!("More: {plot}")).rect());
     pos2(0.5 * (head.left() + more.right()) + 10.0, head.bottom() + 90.0)
 }
 
@@ -122,6 +140,7 @@ fn middle(app: &TestApp, plot: &str) -> Pos2 {
 fn the_wheel_zooms_about_the_pointer_within_the_axes_and_a_double_click_shows_all_again() {
     let mut app = TestApp::driving();
     for plot in PLOTS {
+        open_plot(&mut app, plot);
         let whole = x_numbers(&app, plot);
         let at = middle(&app, plot);
         app.turn_wheel(at, 150.0);
@@ -161,8 +180,9 @@ fn choose(app: &mut TestApp, plot: &str, entry: &str) {
 #[test]
 fn the_plots_tell_the_values_under_the_pointer_and_the_frequency_of_each_peak() {
     let mut app = TestApp::driving();
+    open_plot(&mut app, "Spectrum");
     let area = app.window.get_by_label("More: Spectrum").rect();
-    let head = app.window.get_by_label("Spectrum").rect();
+    let head = app.window.get_by_label("Drive waveform").rect();
     let peaks = |app: &TestApp| -> Vec<String> {
         let inside =
             |rect: &Rect| rect.top() > head.bottom() && (head.left()..area.right()).contains(&rect.left());
@@ -173,6 +193,7 @@ fn the_plots_tell_the_values_under_the_pointer_and_the_frequency_of_each_peak() 
     let at = middle(&app, "Spectrum");
     app.hover(at, 200);
     assert!(read_outs(&app, " dB").iter().any(|text| text.contains("Hz")), "{:?}", read_outs(&app, "dB"));
+    open_plot(&mut app, "Drive waveform");
     let at = middle(&app, "Drive waveform");
     app.hover(at, 200);
     assert_eq!(read_outs(&app, "of full scale").len(), 1);
@@ -192,12 +213,13 @@ fn a_curve_is_held_magnified_and_drawn_over_the_logarithm_of_the_frequency() {
     assert_eq!(read_outs(&app, "×10"), ["×10", "×10"]);
     assert!(!y(&app).contains(&"1.0".to_owned()) && y(&app).contains(&"0.10".to_owned()), "{:?}", y(&app));
     for plot in PLOTS {
-        let held = read_outs(&app, "held: thin line").len();
+        open_plot(&mut app, plot);
+        assert_eq!(read_outs(&app, "held: thin line").len(), 0, "{plot}");
         choose(&mut app, plot, "Hold to compare");
-        assert_eq!(read_outs(&app, "held: thin line").len(), held + 1, "{plot}");
+        assert_eq!(read_outs(&app, "held: thin line").len(), 1, "{plot}");
     }
     choose(&mut app, "Spectrum", "Hold to compare");
-    assert_eq!(read_outs(&app, "held: thin line").len(), 1, "released");
+    assert_eq!(read_outs(&app, "held: thin line").len(), 0, "released");
     choose(&mut app, "Spectrum", "Logarithmic frequency");
     let x = x_numbers(&app, "Spectrum");
     assert!(x.len() >= 3 && x.windows(2).all(|pair| pair[1] >= 2.0 * pair[0]), "{x:?}");
@@ -224,6 +246,7 @@ fn every_tone_has_its_label_in_the_spectrum_and_nothing_else_has() {
         .into();
     app.open("three.toml", Ok(slipline_model::setup::file::write(&setup)));
     app.wait(1500);
+    open_plot(&mut app, "Spectrum");
     let plate = &app.window.state().setup().plate;
     let wanted: std::collections::BTreeSet<String> = setup
         .tones
@@ -232,7 +255,7 @@ fn every_tone_has_its_label_in_the_spectrum_and_nothing_else_has() {
             slipline_plate::quantity::show_frequency(plate.frequency_for_boundary_hz(tone.position_m))
         })
         .collect();
-    let head = app.window.get_by_label("Spectrum").rect();
+    let head = app.window.get_by_label("Drive waveform").rect();
     let area = app.window.get_by_label("More: Spectrum").rect();
     let labels: std::collections::BTreeSet<String> = painted(&app)
         .into_iter()

@@ -37,7 +37,7 @@ fn the_words_about_what_is_felt_lie_below_the_strip() {
         let number = painted(&app, "300").unwrap();
         assert!(!words.intersects(number), "{size:?}: {words} {number}");
         // The row of plots begins below.
-        assert!(words.bottom() < app.window.get_by_label("Log").rect().top());
+        assert!(words.bottom() < app.window.get_by_label("Drive waveform").rect().top());
     }
 }
 
@@ -67,6 +67,7 @@ fn the_plates_name_and_the_filters_hint_are_whole_in_a_small_window() {
     app.wait(1500);
     app.resize(vec2(960.0, 620.0), 100);
     assert!(painted(&app, "al-bending").is_some_and(|name| name.top() > 40.0));
+    app.click("Open the log", 100);
     let filter = app.window.get_by_label("Filter the log").rect();
     let words = words(app.window.output());
     let hint = words.iter().find(|(_, at)| filter.contains(at.center()));
@@ -177,6 +178,7 @@ fn the_outputs_counters_stay_in_the_window_below_a_heading_level_with_the_others
 fn the_logs_lines_begin_in_one_column() {
     let mut app = TestApp::driving();
     app.pass(12_000);
+    app.click("Open the log", 100);
     app.click("Device", 100);
     app.click("Disconnect", 500);
     let left =
@@ -396,7 +398,7 @@ fn a_press_moves_the_selected_tones_line_unless_a_handle_takes_it() {
 fn the_row_below_gives_its_room_to_the_plots_while_no_error_was_counted() {
     let app = TestApp::driving();
     let left = |name: &str| app.window.get_by_label(name).rect().left();
-    let plots = left("Output") - left("Drive waveform");
-    assert!(plots > 0.64 * 1252.0, "{plots}");
+    let (plot, row) = (left("Output") - left("Drive waveform"), left("Boundary") - left("Drive waveform"));
+    assert!(plot > 0.75 * row, "{plot} of {row}");
     assert!(app.has("Errors") && !app.has("CRC errors"));
 }

@@ -155,3 +155,52 @@ fn the_page_lies_inside_its_panel() {
     let page = app.window.get_by_label("Texture over the plate").rect();
     assert!(page.right() <= window.right() && page.width() > 250.0, "{page:?}");
 }
+
+#[test]
+fn the_tones_of_a_texture_are_ticks_under_the_strip_and_the_selected_line_ends_above_it() {
+    let mut app = TestApp::driving();
+    open_textures(&mut app);
+    choose(&mut app, "Solid");
+    app.wait(600);
+    app.click("Play this", 400);
+    let tones = app.window.state().setup().tones.len();
+    assert!(tones >= 4, "{tones}");
+    let strip = app.window.get_by_label_contains("felt to").rect();
+    let line = crate::line_rect(&app);
+    assert!(line.bottom() < strip.top(), "{line} {strip}");
+    for tone in 2..=tones {
+        let name = format!("Peak of tone {tone}");
+        let tick = app.window.get_by_role_and_label(Role::Slider, &name).rect();
+        assert!(tick.top() >= strip.bottom() - 1.0 && tick.height() >= 24.0, "{name}: {tick} {strip}");
+    }
+    // A press on a tick selects it, and its line is whole then.
+    let tick = app.window.get_by_role_and_label(Role::Slider, "Peak of tone 3").rect().center();
+    app.grab(tick, 50);
+    app.release(tick, 200);
+    let now = app.window.get_by_role_and_label(Role::Slider, "Peak of tone 3").rect();
+    assert!(now.height() > 100.0 && now.bottom() < strip.top(), "{now}");
+}
+
+/// The words that are painted in amber.
+fn amber(app: &TestApp) -> Vec<String> {
+    let warn = eframe::egui::Color32::from_rgb(0x96, 0x5a, 0x00);
+    let texts = app.window.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
+        eframe::egui::Shape::Text(text) => Some(&text.galley),
+        _ => None,
+    });
+    let is_amber = |galley: &&std::sync::Arc<eframe::egui::Galley>| {
+        galley.job.sections.iter().any(|section| section.format.color == warn)
+    };
+    texts.filter(is_amber).map(|galley| galley.text().to_owned()).collect()
+}
+
+#[test]
+fn the_page_opens_without_amber_for_every_kind() {
+    let mut app = TestApp::driving();
+    open_textures(&mut app);
+    for kind in ["Profile", "Solid", "Stripes", "Beat"] {
+        choose(&mut app, kind);
+        app.wait(600);
+        assert_eq!(amber(&app), Vec::<String>::new(), "{kind}");
+    }
+}

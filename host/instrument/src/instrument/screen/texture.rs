@@ -79,7 +79,20 @@ impl Textures {
             is_current: self.current().is_some(),
             is_given_up: self.is_given_up,
             is_drawn,
+            reached: self.reached(),
         }
+    }
+
+    /// The share of the drawn height that the tones of the latest result can reach, 0 to 1.
+    fn reached(&self) -> f64 {
+        let drawn =
+            self.latest.as_ref().filter(|latest| latest.wish.level_m.is_some_and(|level_m| level_m > 0.0));
+        let share = drawn.and_then(|latest| {
+            let fitted = latest.result.as_ref().ok()?.fitted.as_ref()?;
+            let reached_m = fitted.texture.wanted_m.iter().copied().fold(0.0, f64::max);
+            Some(reached_m / latest.wish.level_m?)
+        });
+        share.map_or(1.0, |share| share.clamp(0.0, 1.0))
     }
 
     /// The share of the work that is done, 0..=1, while it is under way.
@@ -154,12 +167,15 @@ impl Screen {
         self.textures.draft(draft);
     }
 
-    /// Draws the draft itself, along a path of places and RMS displacements in metres; its tones follow.
+    /// Draws the draft itself, along a path of places and RMS displacements in metres; its tones follow. A new stroke goes on from
+    /// the height that the strokes before have reached, as it is shown.
     pub(crate) fn draw_texture(&mut self, path: &[(f64, f64)], gesture: Gesture) {
         self.textures.follow_plate(&self.plate);
         let mut draft = self.textures.draft.clone();
         if !self.brush.is_drawn() {
             draft.begin_drawing();
+        } else if self.brush.stroke() != Some(gesture) && self.textures.current().is_some() {
+            draft.level_m = draft.level_m.map(|level_m| level_m * self.textures.reached());
         }
         draft.draw(path, self.plate.length_m());
         self.textures.draft(draft);

@@ -1,12 +1,14 @@
-//! The row at the bottom: waveform (or the trace of the finger), spectrum, meters, log.
+//! The row at the bottom: one plot, chosen by its tab, and the meters beside it. The log lies over all of the row while it is
+//! open, so that it moves nothing.
 
 use crate::intent::Intents;
 use crate::scene::Scene;
 use crate::view::bars::{log, meters};
-use crate::view::plots::{self, finger_trace};
+use crate::view::kept::LowerPlot;
+use crate::view::plots::{self, finger_trace, tabs::tabs};
 use crate::view::state::ViewState;
 use crate::view::theme;
-use eframe::egui::{self, Rect, UiBuilder, pos2};
+use eframe::egui::{self, Rect, ScrollArea, UiBuilder, pos2};
 
 /// Usual height of the row, and its height in a low window, in points; in the lowest it takes [`LEAST_SHARE`] of it.
 const HEIGHT: f32 = 194.0;
@@ -23,56 +25,67 @@ pub(crate) fn height(ui: &egui::Ui) -> f32 {
 }
 
 /// Height of all meters with every counter, in points: in a lower row they may scroll.
-const METERS: f32 = 170.0;
-
-/// Shares of the width; each gap between two parts has a separator line.
-const SHARES: [f32; 4] = [0.28, 0.28, 0.18, 0.26];
-/// The shares in a window wider than [`WIDE`], in points, where meters and log have enough and the plots get the rest.
-const WIDE_SHARES: [f32; 4] = [0.335, 0.335, 0.145, 0.185];
-const WIDE: f32 = 1200.0;
-/// The shares in a window narrower than [`NARROW`], in points, where meters and log need more of it.
-const NARROW_SHARES: [f32; 4] = [0.25, 0.24, 0.245, 0.265];
-const NARROW: f32 = 760.0;
+const METERS_HEIGHT: f32 = 170.0;
+/// Width of the meters beside a plot, and of the gap, in whose middle a separator line stands, in points.
+const METERS: f32 = 176.0;
 const GAP: f32 = 21.0;
+/// In a row narrower than this, in points, the meters have a tab in place of a column.
+const ROOM_FOR_METERS: f32 = 560.0;
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let area = ui.available_rect_before_wrap();
-    let shares = match area.width() {
-        width if width < NARROW => NARROW_SHARES,
-        width if width < WIDE => SHARES,
-        _ => WIDE_SHARES,
-    };
-    let free = area.width() - GAP * (SHARES.len() - 1) as f32;
-    let mut left = area.left();
-    for (i, share) in shares.into_iter().enumerate() {
-        let rect =
-            Rect::from_min_max(pos2(left, area.top()), pos2((left + share * free).floor(), area.bottom()));
-        // A separate child `Ui`: a column that needs more space than it has must not move its neighbours.
-        let mut column = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(i));
-        column.shrink_clip_rect(rect.expand(4.0));
-        match i {
-            // The finger does not change the drive, so its trace can stand where the drive did.
-            0 if scene.finger.is_some() => finger_trace::show(&mut column, scene, intents),
-            0 => plots::waveform(&mut column, scene, &mut view.plots, intents),
-            1 => plots::spectrum(&mut column, scene, &mut view.plots, intents),
-            2 => {
-                // In a low row the last meters are reached by scrolling.
-                let area = egui::ScrollArea::vertical().id_salt("meters").auto_shrink([false, false]);
-                area.show(&mut column, |ui| {
-                    if rect.height() < METERS {
-                        theme::clear_of_bar(ui);
-                    }
-                    meters::show(ui, scene);
-                });
-            }
-            _ => log::show(&mut column, scene, &mut view.log, intents),
-        }
-        left = rect.right() + GAP;
-        if i + 1 < SHARES.len() {
-            let x = (rect.right() + 0.5 * GAP).round() + 0.5;
+    if view.log.is_open {
+        part(ui, area, "log", |ui| log::show(ui, scene, &mut view.log, intents));
+    } else {
+        let has_column = area.width() >= ROOM_FOR_METERS;
+        let mut plot = area;
+        if has_column {
+            plot.max.x -= METERS + GAP;
+            let beside = Rect::from_min_max(pos2(plot.right() + GAP, area.top()), area.max);
+            part(ui, beside, "meters", |ui| scrolled_meters(ui, scene, true));
+            let x = (plot.right() + 0.5 * GAP).round() + 0.5;
             let stroke = ui.visuals().widgets.noninteractive.bg_stroke;
             ui.painter().vline(x, area.y_range(), stroke);
         }
+        part(ui, plot, "plot", |ui| chosen(ui, scene, view, has_column, intents));
     }
     ui.allocate_rect(area, egui::Sense::hover());
+}
+
+/// A part of the row. A separate child `Ui`: a part that needs more space than it has must not move its neighbours.
+fn part(ui: &mut egui::Ui, rect: Rect, name: &str, show: impl FnOnce(&mut egui::Ui)) {
+    let mut part = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(name));
+    part.shrink_clip_rect(rect.expand(4.0));
+    show(&mut part);
+}
+
+/// The plot of the chosen tab.
+fn chosen(
+    ui: &mut egui::Ui,
+    scene: &Scene<'_>,
+    view: &mut ViewState,
+    has_column: bool,
+    intents: &mut Intents,
+) {
+    let plots = &mut view.plots;
+    match plots.open(scene.finger.is_some(), !has_column) {
+        LowerPlot::Spectrum => plots::spectrum(ui, scene, plots, intents),
+        LowerPlot::Finger => finger_trace::show(ui, scene, plots, intents),
+        LowerPlot::Meters => {
+            ui.horizontal(|ui| tabs(ui, plots));
+            scrolled_meters(ui, scene, false);
+        }
+        LowerPlot::Waveform => plots::waveform(ui, scene, plots, intents),
+    }
+}
+
+/// The meters; in a low row the last ones are reached by scrolling.
+fn scrolled_meters(ui: &mut egui::Ui, scene: &Scene<'_>, has_heading: bool) {
+    let is_low = ui.available_height() < METERS_HEIGHT;
+    ScrollArea::vertical().id_salt("meters").auto_shrink([false, false]).show(ui, |ui| {
+        if is_low {
+            theme::clear_of_bar(ui);
+        }
+        meters::show(ui, scene, has_heading);
+    });
 }

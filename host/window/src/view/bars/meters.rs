@@ -8,11 +8,14 @@ use slipline_instrument::concern::is_real;
 use slipline_plate::quantity::ticks;
 use theme::Palette;
 
-pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
+/// Shows them, under a heading unless a tab has their name.
+pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, has_heading: bool) {
     let palette = theme::palette(ui);
     ui.spacing_mut().item_spacing.y = 1.0;
-    // As high as the neighbouring headings, which have buttons.
-    ui.horizontal(|ui| theme::heading(ui, "Output"));
+    if has_heading {
+        // As high as the neighbouring headings, which have buttons.
+        ui.horizontal(|ui| theme::heading(ui, "Output"));
+    }
     let warn_from = |limit: f32, value: f32| if value >= limit { palette.warn } else { palette.accent };
     // Without a device the values are unknown.
     let status = scene.snapshot.drive.status;

@@ -1,5 +1,6 @@
-//! The status line at the bottom of the window: the messages beside each other, one line each. One that is cut opens over
-//! the line when it is pressed. The line is always there and as high, so no message moves anything.
+//! The status line at the bottom of the window: the messages beside each other, in two rows of small words where one is too
+//! short. One that is cut opens over the line when it is pressed. The line is always there and as high, so no message moves
+//! anything.
 
 use crate::intent::{Intent, Intents};
 use crate::scene::Notice;
@@ -13,8 +14,9 @@ use eframe::egui::{
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Height of the line, in points.
-pub(crate) const HEIGHT: f32 = 28.0;
+/// Height of the line and of a message, in points.
+pub(crate) const HEIGHT: f32 = 34.0;
+const MESSAGE: f32 = 31.0;
 /// Size of the button that dismisses a message, and the space between two messages, in points.
 const BUTTON: f32 = 24.0;
 const BESIDE: f32 = 6.0;
@@ -29,7 +31,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, seen: &mut Seen, intent
     if shown.is_empty() {
         let palette = theme::palette(ui);
         let (_, _, sentence) = top_bar::state_words(scene, palette);
-        let galley = line(ui, sentence.clone(), FontId::proportional(12.5), palette.weak, area.width());
+        let galley = fitting(ui, &sentence, FontId::proportional(12.5), palette.weak, area.width());
         if galley.elided {
             room.on_hover_text(sentence);
         }
@@ -40,11 +42,12 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, seen: &mut Seen, intent
     let first = shown.first().map_or(0.0, |(notice, _)| whole_width(ui, &notice.text));
     let widths = widths(area.width(), first, shown.len());
     let mut left = area.left();
+    let hidden = shown.len() - widths.len();
     for ((notice, is_open), width) in shown.into_iter().zip(widths) {
         let begin = left;
         left += width + BESIDE;
         let rect =
-            Rect::from_min_size(egui::pos2(begin, area.center().y - 0.5 * BUTTON), vec2(width, BUTTON));
+            Rect::from_min_size(egui::pos2(begin, area.center().y - 0.5 * MESSAGE), vec2(width, MESSAGE));
         let layout = egui::Layout::left_to_right(egui::Align::Center);
         let mut cell = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(notice.number).layout(layout));
         match message(&mut cell, notice, rect, is_open) {
@@ -60,10 +63,28 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, seen: &mut Seen, intent
             whole(ui, notice, rect);
         }
     }
+    if hidden > 0 {
+        let rest = Rect::from_min_max(egui::pos2(left, area.top()), area.max);
+        more(ui, rest, hidden);
+    }
+}
+
+/// How many messages wait, beside one that needs the room.
+fn more(ui: &egui::Ui, rect: Rect, count: usize) {
+    let palette = theme::palette(ui);
+    let words = format!("+{count}");
+    ui.painter().text(rect.center(), Align2::CENTER_CENTER, &words, FontId::proportional(13.0), palette.text);
+    let seen = ui.interact(rect, ui.scope_id().with("more messages"), Sense::hover());
+    seen.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, format!("{count} more messages")));
+    seen.on_hover_text("More messages, for which there is no room beside the first one: the log has them");
 }
 
 /// The least width of a message beside the first one, in points: some words, and its button.
 const LEAST: f32 = 130.0;
+/// Width of the number of messages that have no room beside the first one, in points.
+const MORE: f32 = 34.0;
+/// The share of a message's width in one row that it needs in two rows of smaller words.
+const IN_TWO_ROWS: f32 = 0.6;
 
 /// The width of a message that shows all of `text`, in points.
 fn whole_width(ui: &egui::Ui, text: &str) -> f32 {
@@ -72,11 +93,14 @@ fn whole_width(ui: &egui::Ui, text: &str) -> f32 {
 }
 
 /// The widths of `count` messages in a line of this width, in points: equal ones, but the first is whole as far as the others
-/// leave it room, because its instruction stands at its end.
+/// leave it room, because its instruction stands at its end. Where it would be cut in two rows, too, it stands alone.
 fn widths(room: f32, first: f32, count: usize) -> Vec<f32> {
     let others = count.saturating_sub(1) as f32;
     let equal = (room - BESIDE * others) / (others + 1.0);
     let most = room - others * (LEAST + BESIDE);
+    if count > 1 && IN_TWO_ROWS * first > most {
+        return vec![(room - MORE - BESIDE).max(0.0)];
+    }
     let first = first.min(most).max(equal);
     let rest = (room - first - BESIDE * others) / others.max(1.0);
     std::iter::once(first).chain(std::iter::repeat(rest)).take(count).collect()
@@ -114,13 +138,20 @@ fn current<'a>(
     shown
 }
 
-/// One line of text, cut where the room ends.
-fn line(ui: &egui::Ui, text: String, font: FontId, ink: egui::Color32, room: f32) -> Arc<Galley> {
-    let mut job = LayoutJob::simple(text, font, ink, room);
-    job.wrap.max_rows = 1;
-    job.wrap.break_anywhere = true;
-    ui.painter().layout_job(job)
+/// A text in one row, or in two rows of smaller words where the room is too narrow; cut where that ends, too.
+fn fitting(ui: &egui::Ui, text: &str, font: FontId, ink: egui::Color32, room: f32) -> Arc<Galley> {
+    let rows = |font: FontId, rows: usize| {
+        let mut job = LayoutJob::simple(text.to_owned(), font, ink, room);
+        job.wrap.max_rows = rows;
+        job.wrap.break_anywhere = rows == 1;
+        ui.painter().layout_job(job)
+    };
+    let row = rows(font, 1);
+    if row.elided { rows(FontId::proportional(SMALL), 2) } else { row }
 }
+
+/// Size of the words of a message in two rows, in points.
+const SMALL: f32 = 12.0;
 
 /// The colour of a message's rim.
 fn rim(ui: &egui::Ui, notice: &Notice) -> egui::Stroke {
@@ -144,10 +175,10 @@ fn message(ui: &mut egui::Ui, notice: &Notice, rect: Rect, is_open: bool) -> Pre
     ui.add_space(8.0);
     let font = egui::TextStyle::Body.resolve(ui.style());
     let room = (rect.width() - BUTTON - 10.0).max(BUTTON);
-    let galley = line(ui, notice.text.clone(), font, palette.text, room);
+    let galley = fitting(ui, &notice.text, font, palette.text, room);
     let is_cut = galley.elided;
     // The whole part of the line is pressed, however short the words; the button has the keyboard focus.
-    let (place, mut words) = ui.allocate_exact_size(vec2(room, BUTTON), Sense::CLICK);
+    let (place, mut words) = ui.allocate_exact_size(vec2(room, MESSAGE), Sense::CLICK);
     let at = Align2::LEFT_CENTER.anchor_size(place.left_center(), galley.size());
     ui.painter().galley(at.min, galley, palette.text);
     let said = if is_open { "The message above, cut" } else { &notice.text };
@@ -197,7 +228,9 @@ mod tests {
         // Equal parts suffice.
         assert_eq!(widths(1006.0, 300.0, 2), [500.0, 500.0]);
         assert_eq!(widths(1006.0, 800.0, 2), [800.0, 200.0]);
-        assert_eq!(widths(1006.0, 2000.0, 2), [1006.0 - LEAST - BESIDE, LEAST]);
+        assert_eq!(widths(1006.0, 1300.0, 2), [1006.0 - LEAST - BESIDE, LEAST], "in two rows");
+        assert_eq!(widths(1006.0, 2000.0, 2), [1006.0 - MORE - BESIDE], "alone");
+        assert_eq!(widths(300.0, 400.0, 3), [300.0 - MORE - BESIDE]);
         let three = widths(1012.0, 600.0, 3);
         assert_eq!(three.iter().sum::<f32>() + 2.0 * BESIDE, 1012.0);
         assert_eq!(three[0], 600.0);

@@ -3,7 +3,7 @@
 use crate::intent::MeasureDraft;
 use crate::scene::LiveScene;
 use crate::view::fields::choice::choice_under;
-use crate::view::fields::field::refusal;
+use crate::view::fields::field::refusal_over;
 use crate::view::fields::sensor_fields::{Field, number};
 use crate::view::kept::Fields;
 use eframe::egui;
@@ -45,7 +45,7 @@ fn circuit(ui: &mut egui::Ui, fields: &mut Fields, drive: KnownDrive) -> KnownDr
         entry(ui, &mut full_scale_v, field, "amplifier", AMPLIFIER, volt);
         load = kind(ui, load);
     });
-    ui.horizontal_top(|ui| {
+    let fields = ui.horizontal_top(|ui| {
         match &mut load {
             DriveLoad::Coil { resistance_ohm } => {
                 let field = ("Resistance", "Of the voice coil, by its data sheet (4 ohm)", 82.0);
@@ -59,7 +59,7 @@ fn circuit(ui: &mut egui::Ui, fields: &mut Fields, drive: KnownDrive) -> KnownDr
         let field = ("Shunt", "The current at the end of the range of the second input (1.65 A)", 82.0);
         entry(ui, &mut full_scale_a, field, "shunt", SHUNT, ampere);
     });
-    refusal(ui, reason.as_deref());
+    refusal_over(ui, fields.response.rect, reason.as_deref());
     KnownDrive { circuit: DriveCircuit { full_scale_v, load, tolerance }, full_scale_a }
 }
 

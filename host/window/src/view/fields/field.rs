@@ -39,15 +39,14 @@ impl<'a> InputField<'a> {
         fields: &mut Fields,
         take: impl FnOnce(&str) -> Result<T, E>,
     ) -> Option<T> {
-        ui.vertical(|ui| {
+        let shown = ui.vertical(|ui| {
             let mut reason = None;
             let taken = self.show_apart(ui, fields, &mut reason, take);
-            // No wider than the field: a reason must not move the controls beside it.
-            ui.set_max_width(ui.min_rect().width());
-            refusal(ui, reason.as_deref());
-            taken
-        })
-        .inner
+            (taken, reason)
+        });
+        let (taken, reason) = shown.inner;
+        refusal_over(ui, shown.response.rect, reason.as_deref());
+        taken
     }
 
     /// Shows the field alone; the caller shows the reason where there is space for it.
@@ -127,6 +126,39 @@ pub(crate) fn refusal(ui: &mut egui::Ui, reason: Option<&str>) {
     if let Some(reason) = reason {
         ui.add(egui::Label::new(RichText::new(reason).small().color(theme::palette(ui).wrong)).wrap());
     }
+}
+
+/// Space around the reason of a refusal that lies over what follows, in points, and the least room for its words.
+const INSET: egui::Vec2 = egui::vec2(6.0, 3.0);
+const LEAST_WIDTH: f32 = 180.0;
+const MOST_WIDTH: f32 = 300.0;
+
+/// Why a field was refused, under `field`, over what follows it: a refusal moves nothing and takes no press.
+pub(crate) fn refusal_over(ui: &egui::Ui, field: egui::Rect, reason: Option<&str>) {
+    let Some(reason) = reason else { return };
+    let palette = theme::palette(ui);
+    let room = ui.clip_rect().shrink2(egui::vec2(INSET.x, 0.0));
+    let left = field.left().min(room.right() - LEAST_WIDTH - 2.0 * INSET.x).max(room.left());
+    let width = (room.right() - left - 2.0 * INSET.x).min(MOST_WIDTH);
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let galley = ui.painter().layout(reason.to_owned(), font, palette.wrong, width);
+    let size = galley.size() + 2.0 * INSET;
+    let below = field.bottom() + 2.0;
+    let top = if below + size.y <= room.bottom() { below } else { field.top() - 2.0 - size.y };
+    let rect = egui::Rect::from_min_size(egui::pos2(left, top), size);
+    // Over its page, under what opens over that.
+    let order = if ui.layer_id().order == egui::Order::Background {
+        egui::Order::Middle
+    } else {
+        egui::Order::Tooltip
+    };
+    let layer = egui::LayerId::new(order, ui.scope_id().with("refusal"));
+    let painter = ui.painter().clone().with_layer_id(layer);
+    let rim = egui::Stroke::new(1.0, palette.wrong);
+    painter.rect(rect, 4.0, palette.panel, rim, egui::StrokeKind::Inside);
+    painter.galley(rect.min + INSET, galley, palette.wrong);
+    let seen = ui.interact(rect, ui.scope_id().with(("refusal", reason)), egui::Sense::hover());
+    seen.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, reason));
 }
 
 /// A control with its name at the left, so that names and controls are aligned.

@@ -3,7 +3,7 @@
 use crate::intent::{Intent, Intents, MeasureIntent};
 use crate::scene::Scene;
 use crate::scene::{Asked, AskedContent, AskedTable};
-use crate::view::fields::field::refusal;
+use crate::view::fields::field::{refusal, refusal_over};
 use crate::view::fields::sensor_fields::{kind, number, place};
 use crate::view::kept::Fields;
 use crate::view::theme;
@@ -34,7 +34,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
         }
         let stated = asked.metadata;
         let mut reason = None;
-        ui.horizontal_top(|ui| {
+        let fields = ui.horizontal_top(|ui| {
             let field = ("Sensor stood at", "Where it stood, from the driven end (32 mm)", 82.0);
             let at = (stated.place_m, scene.setup.plate.length_m());
             if let Some(place_m) = place(ui, typed, &mut reason, field, at) {
@@ -63,7 +63,8 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
         if let Some(kind) = kind(ui, "Sensor type", stated.kind) {
             ask(MeasureIntent::Describe(ForeignMetadata { kind: Some(kind), ..stated }));
         }
-        refusal(ui, reason.as_deref().or(asked.refused.as_deref()));
+        refusal_over(ui, fields.response.rect, reason.as_deref());
+        refusal(ui, asked.refused.as_deref());
         if let AskedContent::Recording { sweep, .. } = &asked.content {
             ui.horizontal(|ui| {
                 let help = "The file that `slipline sweep` wrote when it played the recorded sweep";

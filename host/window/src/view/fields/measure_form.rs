@@ -5,7 +5,7 @@ use crate::scene::Scene;
 use crate::view::bars::tour;
 use crate::view::fields::{
     drive_fields,
-    field::refusal,
+    field::refusal_over,
     lines::lines,
     sensor_fields::{kind, number, place},
 };
@@ -127,7 +127,7 @@ fn settings(
     ui.spacing_mut().item_spacing.y = 3.0;
     ui.spacing_mut().interact_size.y = 20.0;
     let mut reason = None;
-    ui.horizontal_top(|ui| {
+    let fields = ui.horizontal_top(|ui| {
         let field = ("Sensor at", "Where the sensor stands, from the driven end (32 mm)", 82.0);
         let at = (draft.place_m, scene.setup.plate.length_m());
         if let Some(place_m) = place(ui, typed, &mut reason, field, at) {
@@ -150,7 +150,7 @@ fn settings(
             }
         });
     });
-    refusal(ui, reason.as_deref());
+    refusal_over(ui, fields.response.rect, reason.as_deref());
     if scene.snapshot.is_simulated() {
         let mut is_secret = live.is_secret;
         let switch = egui::Checkbox::new(&mut is_secret, "Hidden test plate (its numbers differ)");

@@ -2,7 +2,7 @@
 //! unchanged, and the reason is shown under the slider.
 
 use crate::intent::{Intent, Intents};
-use crate::view::fields::field::{InputField, refusal};
+use crate::view::fields::field::{InputField, refusal_over};
 use crate::view::fields::refusal::Refusal;
 use crate::view::kept::Fields;
 use crate::view::theme;
@@ -94,10 +94,10 @@ impl<'a> Quantity<'a> {
         Refusal::check(setup, (self.edit)(value), &self.field, text, self.allowed)
     }
 
-    /// Shows the slider, the field beside it, and the reason of a refusal under both.
+    /// Shows the slider, the field beside it, and the reason of a refusal over what is under both.
     pub(crate) fn show(self, ui: &mut egui::Ui, setup: &Setup, typed: &mut Fields, intents: &mut Intents) {
         let mut reason = None;
-        ui.horizontal(|ui| {
+        let shown = ui.horizontal(|ui| {
             let mut value = self.value;
             if slide(ui, self.name, (self.slider)(&mut value), self.help).changed() {
                 intents.push(Intent::Edit((self.edit)(value * self.unit)));
@@ -107,7 +107,7 @@ impl<'a> Quantity<'a> {
             let taken = field.show_apart(ui, typed, &mut reason, |text| self.typed(setup, text));
             intents.extend(taken.map(Intent::Edit));
         });
-        refusal(ui, reason.as_deref());
+        refusal_over(ui, shown.response.rect, reason.as_deref());
     }
 }
 
@@ -128,12 +128,12 @@ pub(crate) struct FreeSlider<'a> {
 }
 
 impl FreeSlider<'_> {
-    /// Shows it, and the reason of a refusal under it; returns the value that was chosen, if any.
+    /// Shows it, and the reason of a refusal over what is under it; returns the value that was chosen, if any.
     pub(crate) fn show(self, ui: &mut egui::Ui, fields: &mut Fields) -> Option<f64> {
         let Self { name, help, value, range, is_logarithmic, shown, allowed, read } = self;
         let mut reason = None;
         let mut chosen = None;
-        ui.horizontal(|ui| {
+        let shown_at = ui.horizontal(|ui| {
             let mut slid = value;
             let slider = Slider::new(&mut slid, range.clone()).logarithmic(is_logarithmic);
             if slide(ui, name, slider, help).changed() {
@@ -147,7 +147,7 @@ impl FreeSlider<'_> {
             });
             chosen = typed.or(chosen);
         });
-        refusal(ui, reason.as_deref());
+        refusal_over(ui, shown_at.response.rect, reason.as_deref());
         chosen
     }
 }

@@ -24,6 +24,10 @@ use slipline_plate::quantity::{show_frequency, show_half_width, show_length, sho
 
 /// Size of the line's place, in points.
 const HEADLINE: f32 = 20.0;
+/// Space between two rows of the page, and the least height of one with controls, in points.
+const CLOSE: f32 = 3.0;
+const ROW: f32 = 24.0;
+const SLIPPERY_HELP: &str = "Slippery surfaces need 20 kHz or more; below, a finger feels the vibration";
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let setup = scene.setup;
@@ -34,11 +38,14 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let steady = scene.drive_table.map(|table| SteadyTone::of(setup, &tone, table));
     let palette = theme::palette(ui);
 
+    // The whole page is in sight at 1280 x 720.
+    ui.spacing_mut().item_spacing.y = CLOSE;
+    ui.spacing_mut().interact_size.y = ROW;
     let kind = if frequency_hz >= SLIPPERY_FROM_HZ { "Slippery boundary" } else { "Vibration boundary" };
     let explanation = if frequency_hz >= SLIPPERY_FROM_HZ {
         "Slippery up to the line, the plate's own friction beyond."
     } else {
-        "Vibration up to the line, stillness beyond it. Slippery surfaces need 20 kHz or more."
+        "Vibration up to the line, stillness beyond it."
     };
     // The one number of the line, and beside it whose it is: another tone moves nothing.
     let place = scene.line(slot).map_or(UNKNOWN.to_owned(), |line| show_place(line.place_m));
@@ -48,7 +55,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         let kind = if many { format!("{kind}, tone {}", slot + 1) } else { kind.to_owned() };
         ui.add(egui::Label::new(RichText::new(kind).strong().size(13.0)).truncate());
     });
-    ui.label(RichText::new(explanation).color(palette.weak).small());
+    ui.label(RichText::new(explanation).color(palette.weak).small()).on_hover_text(SLIPPERY_HELP);
     ui.add_space(4.0);
 
     let mut reason = None;

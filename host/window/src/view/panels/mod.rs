@@ -12,5 +12,6 @@ pub(crate) mod play_panel;
 pub(crate) mod side_panel;
 pub(crate) mod texture_panel;
 pub(crate) mod texture_plot;
+mod time_line;
 pub(crate) mod tones_panel;
 pub(crate) mod validity;

@@ -4,6 +4,7 @@ use crate::intent::{Asks as _, Export, Intent, Intents};
 use crate::scene::Scene;
 use crate::settings::SPEEDS;
 use crate::view::fields::{field::row, slider::FreeSlider};
+use crate::view::panels::time_line;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
@@ -22,12 +23,12 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     time(ui, scene, view, intents);
 }
 
-/// A setup in a line: its plate, its tones and the first place.
-fn summary(setup: &Setup) -> String {
+/// A setup in a line: its plate, its tones and, after `at`, the first place.
+fn summary(setup: &Setup, at: &str) -> String {
     let count = setup.tones.len();
     let tones = if count == 1 { "1 tone".to_owned() } else { format!("{count} tones") };
     let place = setup.tones.first().map_or_else(String::new, |tone| show_place(tone.position_m));
-    format!("{}, {tones}, turning at {place}", setup.plate.name())
+    format!("{}, {tones}, {at}{place}", setup.plate.name())
 }
 
 fn compare(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
@@ -35,17 +36,16 @@ fn compare(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let here = scene.compare.side();
     for side in [Side::A, Side::B] {
         let is_here = side == here;
-        let words = if is_here {
-            summary(scene.setup)
-        } else {
-            scene.compare.other().map_or_else(|| "copy of A".to_owned(), summary)
-        };
-        let text = format!("{}   {words}", side.letter());
+        let other = scene.compare.other().filter(|_| !is_here);
+        let setup = if is_here { Some(scene.setup) } else { other };
+        let words = |at: &str| setup.map_or_else(|| "copy of A".to_owned(), |setup| summary(setup, at));
+        // The shown words are shorter, as the row is narrow.
+        let text = format!("{}   {}", side.letter(), words(""));
         let size = egui::vec2(ui.available_width(), 28.0);
         let button = egui::Button::selectable(is_here, text).truncate().min_size(size);
         let button = ui.add(button);
         button.widget_info(|| {
-            let name = format!("Setup {}: {words}", side.letter());
+            let name = format!("Setup {}: {}", side.letter(), words("turning at "));
             egui::WidgetInfo::selected(egui::Role::Button, true, is_here, name)
         });
         let help = "The plate follows at once, if it is driven. Ctrl+B switches; Undo takes it back";
@@ -100,6 +100,7 @@ fn recording(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         (false, None) => format!("{moves} moves, {length_s:.1} s"),
     };
     row(ui, "Recording", words);
+    time_line::show(ui, scene, intents);
     ui.horizontal(|ui| {
         let help = "A CSV file of time_s, tone and place_m, such as Export writes";
         ui.button("Import…").on_hover_text(help).asks(intents, Intent::OpenDialog);

@@ -3,7 +3,7 @@
 use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::bars::tour;
-use crate::view::fields::field::{InputField, refusal, row};
+use crate::view::fields::field::{InputField, refusal, refusal_over, row};
 use crate::view::fields::lines::lines;
 use crate::view::fields::refusal::Refusal;
 use crate::view::kept::Brush;
@@ -69,7 +69,7 @@ fn fields(
         let taken = field.show_apart(ui, &mut view.fields, &mut reason, take);
         changed = taken.or(changed.take());
     };
-    ui.horizontal_top(|ui| {
+    let shown = ui.horizontal_top(|ui| {
         match draft.kind {
             WishKind::Solid => {
                 let value = show_place(draft.felt_edge_m);
@@ -113,7 +113,7 @@ fn fields(
             brush(ui, scene, &mut view.brush, intents);
         }
     });
-    refusal(ui, reason.as_deref());
+    refusal_over(ui, shown.response.rect, reason.as_deref());
     if draft.kind == WishKind::Profile && draft.profile.len() > BREAKPOINTS_DRAWN_MAX {
         let count = draft.profile.len();
         ui.label(RichText::new(format!("{count} points from a file.")).small());
@@ -191,7 +191,7 @@ fn decibel(value: f64) -> String {
 
 fn numbers(ui: &mut egui::Ui, scene: &Scene<'_>, textured: &Textured, made: &Made) {
     if let Some(lack) = made.lack(textured.wish.most) {
-        let text = RichText::new(lack.sentence()).small().color(theme::palette(ui).warn);
+        let text = RichText::new(lack.sentence()).small().color(theme::palette(ui).weak);
         ui.add(egui::Label::new(text).wrap());
     }
     if let Some(fitted) = &made.fitted {

@@ -127,10 +127,10 @@ fn curves(ui: &egui::Ui, texture: &TextureScene<'_>, plot: &Plot) {
         if let Some(Lack::Reach(_)) = made.lack(textured.wish.most) {
             // At once, and where one looks while one draws: below the curves, which are high where something is wanted.
             let words = "not all of it is in reach".to_owned();
-            let galley = painter.layout_no_wrap(words, FontId::proportional(11.5), palette.warn);
+            let galley = painter.layout_no_wrap(words, FontId::proportional(11.5), palette.weak);
             let place = plot.rect.left_bottom() + vec2(4.0, -2.0 - galley.size().y);
             painter.rect_filled(Rect::from_min_size(place, galley.size()).expand(2.0), 2.0, palette.well);
-            painter.galley(place, galley, palette.warn);
+            painter.galley(place, galley, palette.weak);
         }
     }
     if texture.draft.kind == WishKind::Profile {
@@ -167,7 +167,7 @@ pub(crate) fn legend(ui: &mut egui::Ui, texture: &TextureScene<'_>) {
         }
         entry("its tones", Stroke::new(1.8, palette.accent), None);
         if has_target {
-            entry("any number of tones", Stroke::new(1.2, palette.weak), Some((2.0, 3.0)));
+            entry("any number", Stroke::new(1.2, palette.weak), Some((2.0, 3.0)));
         }
     });
 }

@@ -14,8 +14,9 @@
 
 use crate::intent::Intents;
 use crate::scene::Scene;
+use crate::view::kept::PlotsView;
 use crate::view::plots;
-use crate::view::stage::aligned;
+use crate::view::plots::tabs::{FINGER, FINGER_HELP, headed};
 use crate::view::theme;
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rangef, Rect, Sense, Stroke, pos2, vec2};
 use slipline_model::field::felt::Zone;
@@ -36,12 +37,12 @@ const LEAST_LANE: f32 = 35.0;
 const LEAST_AMPLITUDE_M: f64 = 1e-9;
 const LEAST_SPEED_M_PER_S: f64 = 0.01;
 
-const NAME: &str = "Finger trace";
-const HELP: &str = "What the finger meets. A finger's impedance, and what it feels, are illustrative";
-
 /// Shows the trace in the whole of `ui`.
-pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
-    aligned::headed(ui, NAME, |ui| plots::pause(ui, scene, NAME, intents));
+pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsView, intents: &mut Intents) {
+    headed(ui, plots, FINGER, |ui, _| plots::pause(ui, scene, FINGER, intents));
+    if scene.finger.is_none() {
+        return plots::empty(ui, "no finger on the plate");
+    }
     let Some(latest) = scene.trace.latest().filter(|_| scene.sounding.is_some()) else {
         let is_paused = scene.sounding.is_some() && !scene.settings.animate;
         return plots::empty(ui, if is_paused { "paused" } else { plots::AT_REST });
@@ -143,7 +144,7 @@ impl Lane {
         let response = ui.interact(rect, ui.scope_id().with(self.names), Sense::hover());
         let said = format!("{}: {words}", self.names[0]);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &said));
-        response.on_hover_text(HELP);
+        response.on_hover_text(FINGER_HELP);
         let painter = ui.painter();
         painter.rect_filled(rect, 2.0, palette.well);
         painter.hline(rect.x_range(), rect.bottom() - 0.5, Stroke::new(1.0, palette.line));

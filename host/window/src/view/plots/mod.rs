@@ -5,11 +5,11 @@ pub(crate) mod frame;
 pub(crate) mod response;
 mod scale;
 pub(crate) mod steer;
+pub(crate) mod tabs;
 
 use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::kept::{PlotsAxes, PlotsContent, PlotsView};
-use crate::view::stage::aligned;
 use crate::view::theme;
 use eframe::egui::{self, Align2, FontId, pos2};
 use egui_plot::{Line, PlotPoint, PlotPoints, PlotResponse, VLine};
@@ -18,12 +18,10 @@ use slipline_model::field::steady_field::magnification;
 use slipline_model::waveform::level_at;
 use slipline_plate::quantity::show_frequency;
 use steer::steer;
+use tabs::{SPECTRUM, SPECTRUM_HELP, WAVEFORM, WAVEFORM_HELP, headed};
 
-const WAVEFORM_HELP: &str =
-    "What the DAC sends over time, in shares of its full scale, from the codes that the device makes";
 /// What a logarithmic axis is for.
 pub(crate) const LOGARITHMIC_HELP: &str = "Every decade equally wide, so that low tones are separated";
-const SPECTRUM_HELP: &str = "Levels of the drive over frequency, in dB of full scale; a peak for each tone";
 
 /// Most points of the waveform plot.
 const POINTS: usize = 900;
@@ -71,25 +69,22 @@ fn is_shown(scene: &Scene<'_>) -> bool {
     scene.waveform.is_true() && (scene.sounding.is_some() || !scene.settings.animate)
 }
 
-/// A column narrower than this, in points, has no Fit beside its menu.
-const ROOM_FOR_FIT: f32 = 200.0;
-
 /// The heading of a plot with its controls; `more` adds to its menu. Returns whether all is to be shown again.
 fn head(
     ui: &mut egui::Ui,
     scene: &Scene<'_>,
-    name: &str,
+    (plots, name): (&mut PlotsView, &str),
     intents: &mut Intents,
-    more: impl FnOnce(&mut egui::Ui),
+    more: impl FnOnce(&mut egui::Ui, &mut PlotsView),
 ) -> bool {
-    let is_wide = ui.available_width() >= ROOM_FOR_FIT;
-    aligned::headed(ui, name, |ui| {
+    let is_wide = tabs::is_wide(ui);
+    headed(ui, plots, name, |ui, plots| {
         pause(ui, scene, name, intents);
         let is_fitted = is_wide && fit(ui, name);
         let help = "Hold a curve to compare, and the scales of this plot";
         let is_fitted_there = frame::more(ui, name, help, |ui| {
             let is_fitted = !is_wide && fit(ui, name);
-            more(ui);
+            more(ui, plots);
             is_fitted
         });
         is_fitted || is_fitted_there
@@ -177,7 +172,7 @@ pub(crate) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsVi
         let shares = codes.iter().step_by(step).map(|&code| (f64::from(code) - 2048.0) / 2048.0);
         Some(shares.enumerate().map(|(i, share)| [(i * step) as f64 / rate_hz, share]).collect())
     };
-    let is_reset = head(ui, scene, "Drive waveform", intents, |ui| {
+    let is_reset = head(ui, scene, (&mut *plots, WAVEFORM), intents, |ui, plots| {
         hold(ui, &mut plots.held_waveform, curve);
         ui.checkbox(&mut plots.is_magnified, "Magnify to fit")
             .on_hover_text("Show a weak drive larger; the factor is written in the plot");
@@ -216,7 +211,7 @@ pub(crate) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsVi
         let points = within.map(|line| [line.frequency_hz, line.level_db.max(FLOOR_DB)]).collect();
         (!lines.is_empty()).then_some(points)
     };
-    let is_reset = head(ui, scene, "Spectrum", intents, |ui| {
+    let is_reset = head(ui, scene, (&mut *plots, SPECTRUM), intents, |ui, plots| {
         hold(ui, &mut plots.held_spectrum, curve);
         ui.checkbox(&mut plots.is_logarithmic, "Logarithmic frequency").on_hover_text(LOGARITHMIC_HELP);
     });

@@ -1,4 +1,4 @@
-//! The brush: it draws the wanted amplitude over the envelope and shades the part that is out of reach.
+//! The brush: it draws the wanted amplitude over the envelope and shades the part of its shape that is out of reach.
 //!
 //! It lies over the lines, so that a stroke goes through them. The keyboard has the breakpoints of the page Texture.
 
@@ -16,8 +16,8 @@ use eframe::egui::{
 use slipline_model::field::steady_field::POINTS;
 use std::f64::consts::SQRT_2;
 
-const CANVAS_HELP: &str = "Draw the wanted amplitude here with the pointer or a finger. The tones follow; what is out of reach \
-    is shaded. A stroke is one step of undo";
+const CANVAS_HELP: &str = "Draw the wanted amplitude here with the pointer or a finger. The tones follow its shape, as high as it is drawn or as they can; \
+    what the shape misses is shaded. A stroke is one step of undo";
 const END_HELP: &str = "Put the brush away; a press on the envelope then moves the line. Esc does the same and stops the \
     drive";
 
@@ -46,7 +46,7 @@ pub(super) fn show(
         draw(ui, &canvas, layout, &height, brush, intents);
     }
     if scene.texture.is_drawn {
-        wanted(ui, scene, layout, &height);
+        wanted(ui, scene, layout, &height, brush.is_drawing());
     }
     let place = Rect::from_min_size(over.min + vec2(6.0, 2.0), vec2(END, HANDLE));
     let end = ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
@@ -95,37 +95,40 @@ fn draw(
     brush.at = brush.at.filter(|_| is_down);
 }
 
-/// The ink over the part that is out of reach.
+/// The ink over the part of the shape that is out of reach.
 fn lack(palette: &Palette) -> Color32 {
     palette.warn.gamma_multiply(0.35)
 }
 
-/// The line of what is wanted, and the shade between it and what the tones make.
-fn wanted(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, height: &Height) {
+/// The line of what is wanted, and the shade between it and what the tones make. What is too high as a whole has its shape
+/// nevertheless: it is shown as high as the tones reach, and while it is drawn the line follows the pointer.
+fn wanted(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, height: &Height, is_drawing: bool) {
     let palette = theme::palette(ui);
     let painter = ui.painter().with_clip_rect(layout.envelope.expand(1.0));
     let made_m = scene.predicted.drawn_m();
     let length_m = layout.axis.length_m();
-    let drawn: Vec<(Pos2, Pos2)> = (0..POINTS)
+    let drawn: Vec<(f32, f64, f64)> = (0..POINTS)
         .filter_map(|i| {
             let place_m = length_m * i as f64 / (POINTS - 1) as f64;
             let wanted_m = SQRT_2 * scene.texture.draft.drawn_m(place_m)?;
-            let x = layout.axis.screen_from_place(place_m);
             let made_m = made_m.get(i).copied().unwrap_or(0.0);
-            Some((pos2(x, height.screen(wanted_m)), pos2(x, height.screen(made_m))))
+            Some((layout.axis.screen_from_place(place_m), wanted_m, made_m))
         })
         .collect();
+    let reached = scene.texture.reached;
     let mut shade = Mesh::default();
-    for &(wanted, made) in &drawn {
-        shade.colored_vertex(wanted, lack(palette));
-        shade.colored_vertex(made, lack(palette));
+    for &(x, wanted_m, made_m) in &drawn {
+        shade.colored_vertex(pos2(x, height.screen(reached * wanted_m)), lack(palette));
+        shade.colored_vertex(pos2(x, height.screen(made_m)), lack(palette));
     }
     for i in 0..drawn.len().saturating_sub(1) as u32 {
         shade.add_triangle(2 * i, 2 * i + 1, 2 * i + 2);
         shade.add_triangle(2 * i + 1, 2 * i + 2, 2 * i + 3);
     }
     painter.add(Shape::mesh(shade));
-    let line: Vec<Pos2> = drawn.into_iter().map(|(wanted, _)| wanted).collect();
+    let shown = if is_drawing { 1.0 } else { reached };
+    let line: Vec<Pos2> =
+        drawn.iter().map(|&(x, wanted_m, _)| pos2(x, height.screen(shown * wanted_m))).collect();
     painter.extend(Shape::dashed_line(&thinned(&line), Stroke::new(2.0, palette.text), 6.0, 3.0));
 }
 

@@ -16,6 +16,8 @@ use slipline_plate::quantity::ticks::Ticks;
 /// The share of the ink in points of an earlier drive.
 const STALE: f32 = 0.35;
 
+/// Least height of a label with the space to the next, in points.
+const LABEL: f32 = 22.0;
 /// Space over the top of the scale, in points.
 const OVER: f32 = 6.0;
 
@@ -139,7 +141,9 @@ fn scale(ui: &egui::Ui, axis: &Axis, height: &Height, is_known: bool) {
     }
     let (unit, unit_m) = displacement_unit(height.top_m);
     let top = height.top_m / unit_m;
-    let ticks = Ticks::between(0.0, top, top / 3.5);
+    // In a low envelope fewer, so that none lies over its neighbour.
+    let count = (height.rect.height() / LABEL).clamp(1.0, 3.5);
+    let ticks = Ticks::between(0.0, top, top / f64::from(count));
     for &tick in &ticks.places {
         let y = height.screen(tick * unit_m).round() + 0.5;
         if tick > 0.0 {
@@ -156,7 +160,7 @@ fn scale(ui: &egui::Ui, axis: &Axis, height: &Height, is_known: bool) {
 /// The factor by which displacements are shown larger than to the table's full scale, where there is one.
 fn factor(ui: &egui::Ui, magnification: f64, at: Pos2) {
     if magnification > 1.0 {
-        let ink = theme::palette(ui).warn;
+        let ink = theme::palette(ui).text;
         let text = format!("×{magnification}");
         ui.painter().text(at, Align2::LEFT_TOP, text, FontId::proportional(12.5), ink);
     }

@@ -6,12 +6,13 @@ use super::layout::Layout;
 use crate::intent::{Dragged, Grab, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::bars::tour;
-use crate::view::state::ViewState;
+use crate::view::state::{Tab, ViewState};
 use crate::view::theme::{self, HANDLE};
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, FontId, Pos2, Rangef, Rect, Sense, Stroke, pos2, vec2,
 };
 use slipline_instrument::TourStep;
+use slipline_plate::quantity::show_place;
 
 /// The accessible name of a tone's handle.
 pub(crate) fn handle_name(scene: &Scene<'_>, slot: u8) -> String {
@@ -34,7 +35,8 @@ pub(super) fn show(
     let x = layout.axis.line_from_place(line.place_m);
     let is_selected = slot == scene.selected;
     let column = Rangef::new(x - 0.5 * HANDLE, x + 0.5 * HANDLE);
-    let rows = Rangef::new(layout.label.top(), layout.strip.bottom());
+    let form = Form::of(scene, view.tab == Tab::Texture, is_selected);
+    let rows = form.rows(layout);
     let id = ui.scope_id().with(("handle", slot));
     let is_locked = scene.is_measured_now();
     let response = ui.interact(Rect::from_x_y_ranges(column, rows), id, Sense::click_and_drag());
@@ -71,9 +73,17 @@ pub(super) fn show(
     if let Some(place_m) = handle::by_assistive_technology(ui, id, line.place_m) {
         intents.push(Intent::MoveLine { slot, place_m });
     }
-    knob_help(ui, id, pos2(x, layout.plate.center().y), response.is_pointer_button_down_on(), view);
     let look = Look { is_selected, is_hot: response.hovered() || is_held, has_focus: response.has_focus() };
-    paint_line(ui, layout, x, look);
+    if form == Form::Tick {
+        response.on_hover_text(format!(
+            "Tone {}: {}. Drag it, or press it to select it",
+            slot + 1,
+            show_place(line.place_m)
+        ));
+        return paint_tick(ui, layout, x, look);
+    }
+    knob_help(ui, id, pos2(x, layout.plate.center().y), response.is_pointer_button_down_on(), view);
+    paint_line(ui, layout, x, look, form);
     if is_selected {
         let knob = Rect::from_center_size(pos2(x, layout.plate.center().y), egui::Vec2::splat(HANDLE + 4.0));
         tour::mark(ui, scene, TourStep::Line, knob);
@@ -106,6 +116,52 @@ fn knob_help(ui: &egui::Ui, line: egui::Id, at: Pos2, is_pressed: bool, view: &m
     }
 }
 
+/// From so many tones on they make one texture: lines through all of them would hide its area. On the page Texture two do.
+const TEXTURE_FROM: usize = 4;
+const TEXTURE_FROM_ON_ITS_PAGE: usize = 2;
+
+/// How a tone is shown.
+#[derive(Clone, Copy, PartialEq)]
+enum Form {
+    /// A line through plate, envelope and strip.
+    Line,
+    /// The selected line of a texture: the strip stays as it is felt.
+    Short,
+    /// A tick on the axis: another tone of a texture.
+    Tick,
+}
+
+impl Form {
+    fn of(scene: &Scene<'_>, is_texture_open: bool, is_selected: bool) -> Self {
+        let from = if is_texture_open { TEXTURE_FROM_ON_ITS_PAGE } else { TEXTURE_FROM };
+        match (scene.setup.tones.len() >= from, is_selected) {
+            (false, _) => Self::Line,
+            (true, true) => Self::Short,
+            (true, false) => Self::Tick,
+        }
+    }
+
+    /// Where it is taken.
+    fn rows(self, layout: &Layout) -> Rangef {
+        match self {
+            Self::Line => Rangef::new(layout.label.top(), layout.strip.bottom()),
+            Self::Short => Rangef::new(layout.label.top(), layout.envelope.bottom()),
+            Self::Tick => Rangef::new(layout.scale.top(), layout.scale.top() + HANDLE),
+        }
+    }
+}
+
+/// A tone of a texture on the axis.
+fn paint_tick(ui: &egui::Ui, layout: &Layout, x: f32, look: Look) {
+    let palette = theme::palette(ui);
+    let ink = if look.is_hot { palette.boundary } else { palette.text };
+    let rows = Rangef::new(layout.scale.top() - 1.0, layout.scale.top() + 8.0);
+    ui.painter().vline(x, rows, Stroke::new(2.0, ink));
+    if look.has_focus {
+        ui.painter().circle_stroke(pos2(x, rows.center()), 8.0, Stroke::new(2.0, palette.accent));
+    }
+}
+
 #[derive(Clone, Copy)]
 struct Look {
     is_selected: bool,
@@ -113,10 +169,10 @@ struct Look {
     has_focus: bool,
 }
 
-fn paint_line(ui: &egui::Ui, layout: &Layout, x: f32, look: Look) {
+fn paint_line(ui: &egui::Ui, layout: &Layout, x: f32, look: Look, form: Form) {
     let palette = theme::palette(ui);
     let painter = ui.painter();
-    let rows = Rangef::new(layout.label.bottom(), layout.strip.bottom());
+    let rows = Rangef::new(layout.label.bottom(), form.rows(layout).max);
     let ink = if look.is_selected { palette.boundary } else { palette.weak };
     let halo = if palette.dark { Color32::from_black_alpha(150) } else { Color32::from_white_alpha(190) };
     let width = if look.is_selected { 2.0 } else { 1.0 };

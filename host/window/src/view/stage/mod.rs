@@ -19,14 +19,13 @@ pub(crate) mod press;
 mod read_out;
 mod relief;
 mod sensor;
-mod time_line;
 mod track;
 
 use crate::axis::Axis;
 use crate::intent::Intents;
 use crate::scene::Scene;
 use crate::view::panels::designer::sketch;
-use crate::view::state::{Tab, ViewState};
+use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, Align2, CornerRadius, FontId, Key, Rangef, Rect, Stroke, pos2};
 use hint::Hint;
@@ -48,8 +47,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let hint = Hint::of(ui, scene, &axis, area.x_range());
     let needs_row = hint.as_ref().is_some_and(|hint| hint.is_apart);
     let hint_height = if needs_row { LABEL + 2.0 } else { 0.0 };
-    let has_time_line = view.tab == Tab::Play && time_line::is_there(scene);
-    let layout = Layout::new(area, axis, plate.half_width_m(0.0), density, hint_height, has_time_line);
+    let layout = Layout::new(area, axis, plate.half_width_m(0.0), density, hint_height);
     // The well's round corners show the page.
     let well = layout.axis.over_plate(layout.envelope);
     theme::fill_page_around(ui, area + theme::MARGIN, well.shrink(f32::from(WELL_CORNER)));
@@ -73,7 +71,6 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         sketch::cover(ui, &layout.axis, layout.strip, "");
     }
     place_scale(ui, scene, &layout);
-    time_line::show(ui, scene, &layout, intents);
     let drawn = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.envelope.bottom());
     let marks =
         LightMarks::show(ui, scene, view, &layout.axis, area.x_range(), (drawn, layout.envelope.top()));
@@ -89,7 +86,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         hint.show(ui, &layout);
     }
     let left_end = brush::show(ui, scene, &layout, &mut view.brush, intents);
-    envelope::legend(ui, scene, &layout.axis, layout.envelope, left_end);
+    if !is_sketched {
+        envelope::legend(ui, scene, &layout.axis, layout.envelope, left_end);
+    }
     let views = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.strip.bottom());
     // What a symbol says takes the read-out's place.
     if !marks.interact(ui, view, intents) && !view.brush.is_drawing() {

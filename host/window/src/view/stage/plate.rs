@@ -55,7 +55,7 @@ pub(crate) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
         ui.allocate_ui_with_layout(left, egui::Layout::left_to_right(egui::Align::Center), |ui| {
             ui.set_min_width(left.x);
             let text = egui::RichText::new(drawn(scene)).color(palette.weak);
-            let width = theme::text_width(ui, text.text(), FontId::proportional(13.5));
+            let width = theme::text_width(ui, text.text(), FontId::proportional(13.0));
             let beside = if has_scale { width + GAP } else { 0.0 };
             // What a calibration or a file adds to the name is at its end, so the words after it are left out first.
             let font = FontId::proportional(15.0);
@@ -260,17 +260,23 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     painter.add(Shape::line(lower, rim));
     let bar = Rect::from_min_max(first + vec2(-6.0, -1.0), far.0 + vec2(-1.0, 1.0));
     painter.rect_filled(bar, 2.0, palette.weak);
-    let label = pos2(bar.left() - 6.0, rect.center().y);
-    painter.text(label, Align2::RIGHT_CENTER, "drive", FontId::proportional(11.5), palette.weak);
-    width_scale(ui, label.x, rect, if is_relief { 0.0 } else { squeeze });
+    let squeeze = if is_relief { 0.0 } else { squeeze };
+    beside_drive(ui, pos2(bar.left() - 6.0, rect.center().y), squeeze);
 }
 
-/// Whether the width is drawn to scale, in the margin beside the driven end, where it lies over nothing.
-fn width_scale(ui: &egui::Ui, right: f32, rect: Rect, squeeze: f32) {
+/// Height of a line of the words beside the driven end, in points.
+const BESIDE: f32 = 13.0;
+
+/// What stands at the driven end and whether the width is drawn to scale: in the margin, where it lies over nothing, and about
+/// the plate's middle, so that it does not reach the scale of the envelope.
+fn beside_drive(ui: &egui::Ui, middle: Pos2, squeeze: f32) {
     let palette = theme::palette(ui);
-    let lines: &[&str] = if squeeze < 0.999 { &["width not", "to scale"] } else { &["to scale"] };
+    let lines: &[&str] =
+        if squeeze < 0.999 { &["drive", "width not", "to scale"] } else { &["drive", "to scale"] };
+    let top = middle.y - 0.5 * BESIDE * lines.len() as f32;
     for (i, line) in lines.iter().enumerate() {
-        let place = pos2(right, rect.center().y + 8.0 + 13.0 * i as f32);
-        ui.painter().text(place, Align2::RIGHT_TOP, line, FontId::proportional(10.5), palette.weak);
+        let font = FontId::proportional(if i == 0 { 11.5 } else { 10.5 });
+        let place = pos2(middle.x, top + BESIDE * i as f32);
+        ui.painter().text(place, Align2::RIGHT_TOP, line, font, palette.weak);
     }
 }

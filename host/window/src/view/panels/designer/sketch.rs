@@ -5,7 +5,9 @@ use crate::axis::Axis;
 use crate::scene::{DesignState, Scene};
 use crate::view::kept::Sketched;
 use crate::view::theme;
-use eframe::egui::{self, Align2, CornerRadius, FontId, Pos2, Rangef, Rect, Sense, Shape, Stroke, pos2};
+use eframe::egui::{
+    self, Align2, CornerRadius, FontId, Pos2, Rangef, Rect, Sense, Shape, Stroke, pos2, vec2,
+};
 use slipline_plate::design::Design;
 use slipline_plate::quantity::{show_frequency, show_place};
 
@@ -13,6 +15,9 @@ use slipline_plate::quantity::{show_frequency, show_place};
 const POINTS: usize = 61;
 /// How much of the present plate's colours is covered.
 const COVER: f32 = 0.8;
+/// Height of the title, in points, and what it begins with.
+const TITLE: f32 = 15.0;
+const NOT_LOADED: &str = "Design, not loaded";
 
 /// Draws the design in the plate's rectangle, to the scale of the axis, or smaller where it would not fit. Returns whether there
 /// is one.
@@ -51,6 +56,7 @@ pub(crate) fn show(
     outline.extend(upper.first());
     painter.extend(Shape::dashed_line(&outline, Stroke::new(1.8, palette.accent), 7.0, 4.0));
     let font = FontId::proportional(11.5);
+    let mut before: Option<Rect> = None;
     for (end, align, side) in
         [(&design.low, Align2::RIGHT_BOTTOM, -4.0), (&design.high, Align2::LEFT_BOTTOM, 4.0)]
     {
@@ -60,12 +66,27 @@ pub(crate) fn show(
         let words = format!("{} at {}", show_place(end.boundary_m), show_frequency(end.frequency_hz));
         let galley = painter.layout_no_wrap(words, font.clone(), palette.text);
         let label = align.anchor_size(pos2(x + side, rect.bottom()), galley.size());
-        let left = label.left().min(rect.right() - galley.size().x).max(rect.left());
-        painter.galley(pos2(left, label.top()), galley, palette.text);
+        // Beside the plate stands whether it is drawn to scale.
+        let left = label.left().min(rect.right() - galley.size().x).max(screen.min);
+        let mut place = Rect::from_min_size(pos2(left, label.top()), galley.size());
+        if before.is_some_and(|before| before.expand2(vec2(4.0, 0.0)).intersects(place)) {
+            place = place.translate(vec2(0.0, -place.height()));
+        }
+        // In a low plate the second has no room under the title.
+        if place.top() >= rect.top() + TITLE {
+            painter.galley(place.min, galley, palette.text);
+            before = Some(place);
+        }
     }
     let words = title(design);
     let place = pos2(screen.min, rect.top());
-    painter.text(place, Align2::LEFT_TOP, &words, FontId::proportional(12.5), palette.accent);
+    let font = FontId::proportional(12.5);
+    let whole = painter.layout_no_wrap(words.clone(), font.clone(), palette.accent);
+    if whole.size().x <= screen.span() {
+        painter.galley(place, whole, palette.accent);
+    } else {
+        painter.text(place, Align2::LEFT_TOP, NOT_LOADED, font, palette.accent);
+    }
     let seen = ui.interact(rect, ui.scope_id().with("design"), Sense::hover());
     seen.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
     true
@@ -83,5 +104,5 @@ pub(crate) fn cover(ui: &egui::Ui, axis: &Axis, rect: Rect, words: &str) {
 /// What is drawn, and that it is not loaded.
 fn title(design: &Design) -> String {
     let plate = &design.plate;
-    format!("Design, not loaded: {}, {} long", plate.name(), show_place(plate.length_m()))
+    format!("{NOT_LOADED}: {}, {} long", plate.name(), show_place(plate.length_m()))
 }
