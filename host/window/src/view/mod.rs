@@ -99,7 +99,7 @@ fn status(
 ) {
     room.switch(ui, view.log.is_open, intents);
     // Visitors read no log.
-    if scene.visitors.is_none() {
+    if scene.stage_alone.is_none() {
         log::switch(ui, &mut view.log);
     }
     status_line::show(ui, scene, &mut view.notices, intents);

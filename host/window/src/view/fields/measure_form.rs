@@ -88,7 +88,7 @@ pub(crate) fn body(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
     let (mass_kg, width_m) = draft.body.map_or((0.0, CHIP_M), |body| (body.mass_kg, body.width_m));
     let mut reason = None;
     let mut wanted = None;
-    ui.add_enabled_ui(scene.measure.live.progress.is_none(), |ui| {
+    let fields = ui.add_enabled_ui(scene.measure.live.progress.is_none(), |ui| {
         ui.horizontal_top(|ui| {
             let field = (
                 "Sensor weighs",
@@ -108,7 +108,7 @@ pub(crate) fn body(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
             }
         });
     });
-    refusal(ui, reason.as_deref());
+    refusal_over(ui, fields.response.rect, reason.as_deref());
     if let Some(body) = wanted.and_then(|(mass_kg, width_m)| SensorBody::new(mass_kg, width_m).ok()) {
         intents.push(Intent::Measure(MeasureIntent::Draft(MeasureDraft { body, ..draft })));
     }
