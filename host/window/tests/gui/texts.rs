@@ -22,6 +22,8 @@ const SIZES: [([f32; 2], f32); 8] = [
 ];
 /// Two texts lie over each other from this overlap on, in points, in both directions.
 const OVERLAP: f32 = 1.5;
+/// Height of the status line, in points.
+const STATUS: f32 = 34.0;
 /// Text is cut from this on, in points.
 const CUT: f32 = 1.0;
 
@@ -66,9 +68,12 @@ fn texts(picture: &FullOutput) -> Vec<Text> {
 }
 
 /// Whether the end of a text may be left out: names that a user gives may be of any length, and all of the name is shown under
-/// the pointer.
+/// the pointer; a message that two rows cannot hold opens when it is pressed.
 fn may_be_elided(app: &TestApp, text: &Text) -> bool {
     let start = text.words.trim_end_matches('…');
+    if text.seen.top() > app.window.ctx.content_rect().bottom() - STATUS {
+        return true;
+    }
     app.window.state().setup().plate.name().starts_with(start)
 }
 

@@ -85,7 +85,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     Quantity::master(setup.master_db).show(ui, setup, &mut view.fields, intents);
     Quantity::glide(setup.glide_s).show(ui, setup, &mut view.fields, intents);
     let stretched = scene.snapshot.stretched_glide_s().map_or_else(String::new, |seconds| {
-        format!("The last change takes {:.0} ms: frequencies change no faster.", 1e3 * seconds)
+        format!("The last change takes {:.0} ms: none is faster.", 1e3 * seconds)
     });
     lines(ui, stretched, palette.weak, 1);
     if IS_THERE {
