@@ -58,9 +58,17 @@ const SLEEPS: &[(&str, &[Sleep])] = &[
         "tests/python/test_device_faults.py",
         &[
             Because("no wait: the time for which a host hangs, longer than the dead man's"),
-            Because("the same"),
+            Polls,
+            Because("no wait: the time for which a host hangs, as above"),
             Polls,
             Because("no wait: the time in which the dead man stops the device"),
+        ],
+    ),
+    (
+        "tests/python/test_trials_device.py",
+        &[
+            Because("no wait: the length of a break, longer than the unattended time"),
+            Because("no wait: the time of an answer, longer than the unattended time"),
         ],
     ),
     (

@@ -1,6 +1,6 @@
 """A taper that tolerances harm least: python robust_taper.py [PLATE.toml] [ROUNDS]; needs cma (pip install cma).
 
-CMA-ES (Hansen and Ostermeier, Evolutionary Computation 9, 159, 2001) asks for tapers and is told what the tolerances cost each: the
+CMA-ES (Hansen and Ostermeier, Evolutionary Computation 9, 159, 2001) asks for tapers and receives the cost of the tolerances of each: the
 spread of the line's place in mm and of its level in dB, over 64 plates within them. A line moves by the relative change of the wave
 speed over the taper's rate, so the search ends near the steepest taper that the bounds allow.
 """

@@ -99,7 +99,7 @@ def objective(
     seed: int = 1,
     kind: str = "1d",
 ) -> Objective:
-    """A function that says what the tolerances ``vary`` cost a plate, for any optimiser that asks for points and is told their costs::
+    """A function that says what the tolerances ``vary`` cost a plate, for any optimiser that asks for points and receives their costs::
 
         objective = slipline.objective("membrane", {"taper.rate_per_m": (3.5, 5.5)}, turning_point_m=[0.12, 0.2],
                                        vary={"model.wave_speed_m_per_s": {"normal": 0.01}})

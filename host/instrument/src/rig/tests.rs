@@ -277,7 +277,7 @@ fn checked(truth: &Plate) -> Result<DriveCheck, RigError> {
 /// sheet of the piezo must outweigh.
 #[test]
 fn a_plate_that_is_soft_below_its_cut_off_has_a_piezo_that_outweighs_its_motion() {
-    let lead_in = include_str!("../../../plate/tests/cases/clamped_lead_in.toml");
+    let lead_in = include_str!("../../../plate/tests/clamped_lead_in.toml");
     let lead_in = Plate::from_toml(lead_in).expect("a plate");
     let with = |source: Source| {
         let spec = PlateSpec { drive_end: DriveEnd::Source(source), ..lead_in.spec().clone() };
@@ -295,12 +295,12 @@ fn a_plate_that_is_soft_below_its_cut_off_has_a_piezo_that_outweighs_its_motion(
     }
 }
 
-/// A baffle's pressure at a distance, in the tail beyond a boundary, is what a rig does least well: it is still that of the plate.
+/// A rig does the pressure of a baffle at a distance, in the tail beyond a boundary, least well. The lighter latex is refused there.
 #[test]
-fn a_light_membrane_in_a_baffle_has_a_rig_with_its_sensor_at_every_place() {
+fn a_membrane_in_a_baffle_has_a_rig_with_its_sensor_at_every_place() {
     let mounting = AirMounting::Baffle { faces: Faces::Two };
     let air = Some(Air::Around { gas: Gas::ROOM, mounting });
-    for (name, seed) in [("latex-membrane", None), ("latex-membrane", Some(3)), ("membrane", Some(1))] {
+    for (name, seed) in [("membrane", None), ("membrane", Some(1)), ("membrane-heavy", Some(3))] {
         let plate = preset(name).expect("a preset");
         let plate = Plate::new(PlateSpec { air, ..plate.spec().clone() }).expect("valid");
         let truth = seed.map_or_else(|| Ok(plate.clone()), |seed| secret(&plate, seed)).expect("a plate");
@@ -348,7 +348,7 @@ fn a_sensor_that_weighs_stands_on_the_plate_that_it_slows() {
     let hz = 0.5 * (truth.band_hz().0 + truth.band_hz().1);
     // Whole periods in the codes that are read.
     let hz = (hz / 6.25).round() * 6.25;
-    let body = SensorBody { mass_kg: 3e-5, width_m: 5e-3 };
+    let body = SensorBody { mass_kg: 6e-5, width_m: 5e-3 };
     let options = RigOptions { place_m: 0.1, body: Some(body), ..RigOptions::default() };
     let rig = rig(&truth, options.clone());
     let mut inputs = rig.inputs();

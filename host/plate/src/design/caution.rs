@@ -1,8 +1,9 @@
 //! What a finished design does on a table that no light shows: a stretched film as a thermometer, a finger that sinks in.
 //!
 //! A film between stiff frames is stretched in both directions, so its strain is T (1 - nu)/(E h). One kelvin changes the
-//! tension by E h/(1 - nu) times the difference of the expansions of frame and film, and the boundary moves by
-//! dx = (dT/T)/(2 d) with the taper's rate d, since c^2 is proportional to T. Rubber is no such film: its tension comes from its
+//! tension by E h/(1 - nu) times the difference of the expansions of frame and film; the boundary at the middle of the span of a
+//! plate with that tension lies elsewhere. (With nothing but the tension it would move by (dT/T)/(2 d) with the taper's rate d,
+//! since c^2 is proportional to T; the film's own stiffness and the air hold it back.) Rubber is no such film: its tension comes from its
 //! entropy and its strain is some per cent.
 //!
 //! A static force F on a contact of radius r sinks into a membrane of half-width R by F/(2 pi T) ln(R/r) (Green's function of
@@ -10,6 +11,7 @@
 
 use super::Design;
 use crate::definition::model::Model;
+use crate::definition::plate::Plate;
 use crate::quantity::number_format::significant;
 use crate::quantity::show_length;
 use std::f64::consts::TAU;
@@ -18,6 +20,8 @@ use std::f64::consts::TAU;
 const STRAIN: f64 = 3e-3;
 /// Difference of the thermal expansions of film and frame, 1/K: polyester (17 ppm) in aluminium (23 ppm).
 const EXPANSION_PER_K: f64 = 6e-6;
+/// The change of temperature whose shift is computed, kelvin: small against the stretch of any film.
+const KELVIN: f64 = 1e-3;
 /// Boundary shift per kelvin below which nothing is said, metres.
 const SHIFT_M: f64 = 5e-4;
 /// Tension below which a finger's press counts, N/m; its force, N, and the radius of its contact, metres.
@@ -37,15 +41,28 @@ impl Design {
         };
         let stiffness = film.youngs_modulus_pa * film.thickness_m / (1.0 - film.poisson_ratio);
         let strain = tension / stiffness;
-        Some((strain, EXPANSION_PER_K / strain / (2.0 * self.rate_per_m)))
+        let boundary_m = self.middle_m();
+        let hertz = self.plate.frequency_for_boundary_hz(boundary_m);
+        let mut warm = self.plate.spec().clone();
+        if let Model::Membrane { wave_speed_m_per_s, tension_n_per_m: Some(tension), .. } = &mut warm.model {
+            let more = KELVIN * EXPANSION_PER_K / strain;
+            *tension *= 1.0 + more;
+            *wave_speed_m_per_s *= (1.0 + more).sqrt();
+        }
+        let warm_m = Plate::new(warm).ok()?.turning_point_m(hertz).ok()?;
+        Some((strain, (boundary_m - warm_m).abs() / KELVIN))
+    }
+
+    /// The middle of the span, metres.
+    fn middle_m(&self) -> f64 {
+        0.5 * (self.low.boundary_m + self.high.boundary_m)
     }
 
     /// The static deflection under a finger that presses with 0.5 N at the middle of the span, metres; `None` for a plate that
     /// is no membrane.
     #[must_use]
     pub fn press_m(&self) -> Option<f64> {
-        let middle_m = 0.5 * (self.low.boundary_m + self.high.boundary_m);
-        let spread = (self.plate.half_width_m(middle_m) / CONTACT_RADIUS_M).max(1.0).ln();
+        let spread = (self.plate.half_width_m(self.middle_m()) / CONTACT_RADIUS_M).max(1.0).ln();
         self.tension_n_per_m.map(|tension| PRESS_N / (TAU * tension) * spread)
     }
 

@@ -61,7 +61,7 @@ pub enum End {
 ///
 /// let plate = preset("al-bending").unwrap();
 /// let end = plane::End::Damper { ratio: 1.0, at_frequency_hz: 28e3 };
-/// let damper = plane::Setup { end, ..plane::Setup::of(&plate) };
+/// let damper = plane::Setup { end, lead_in: None, ..plane::Setup::of(&plate) };
 /// let lead_in = LeadIn { length_m: 0.06, loss_factor: 0.2, end_resistance_n_s_per_m: 0.0 };
 /// let soft = plane::End::Source {
 ///     impedance: slipline_plate::Impedance::default(),

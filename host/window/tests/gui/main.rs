@@ -266,6 +266,7 @@ fn a_bad_file_gives_a_clear_message_and_loses_nothing() {
         (Ok(good.replace("length_m = 0.32", "length_m = 1e300")), "length_m"),
         (huge, "too big"),
     ];
+    app.click("Open the log", 100);
     for (text, reason) in cases {
         app.open("bad.toml", text);
         assert_eq!(app.setup_text(), good, "{reason}");

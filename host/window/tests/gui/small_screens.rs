@@ -244,7 +244,7 @@ fn no_scroll_bar_lies_over_letters() {
         clear(&mut app, pos2(613.0, 300.0), page);
     }
     app.click("Plots", 100);
-    if app.has("Output") && app.window.query_by_role(Role::ProgressIndicator).is_none() {
+    if app.has("Output") && app.window.query_all_by_role(Role::ProgressIndicator).next().is_none() {
         app.click("Output", 100);
     }
     // Only in a lower window the meters have no room.

@@ -398,7 +398,8 @@ fn a_press_moves_the_selected_tones_line_unless_a_handle_takes_it() {
 fn the_row_below_gives_its_room_to_the_plots_while_no_error_was_counted() {
     let app = TestApp::driving();
     let left = |name: &str| app.window.get_by_label(name).rect().left();
-    let (plot, row) = (left("Output") - left("Drive waveform"), left("Boundary") - left("Drive waveform"));
+    let panel = app.window.get_by_role_and_label(Role::Button, "Boundary").rect().left();
+    let (plot, row) = (left("Output") - left("Drive waveform"), panel - left("Drive waveform"));
     assert!(plot > 0.75 * row, "{plot} of {row}");
     assert!(app.has("Errors") && !app.has("CRC errors"));
 }

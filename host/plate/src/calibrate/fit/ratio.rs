@@ -8,7 +8,7 @@
 //! ```
 //!
 //! with the variances v: the residual of the ratio, which stays finite where one of the two places is a node. Where the sensor
-//! weighs, p is what it leaves of the wave's magnitude, and its mass and the source are unknowns, too (`sensor_load.rs`).
+//! weighs, p is the wave's magnitude with its mass on the plate, and its mass and the source are unknowns, too (`sensor_load.rs`).
 
 use super::gain::Carried;
 use super::least_squares::{self, Fit};

@@ -211,7 +211,6 @@ fn a_sensor_on_a_membrane_in_air_answers_as_the_frequency_domain() {
     // The pressure that a baffle holds together at a distance is no sum of decaying resonances.
     for (name, air, places_m) in [
         ("membrane", Air::ROOM, [0.03, 0.18]),
-        ("latex-membrane", baffle, [0.094, 0.198]),
         ("membrane", baffle, [0.06, 0.14]),
         ("membrane-heavy", baffle, [0.094, 0.25]),
     ] {
