@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Iterator, Sequence
 from numpy.typing import ArrayLike
 from os import PathLike
 from slipline._rest import Rest
-from slipline.results import Calibration, Check, Design, Drive, Field, Merit, PortInfo, Result, Results, Simulation, Status, Table, Texture, Verification
+from slipline.results import Calibration, Check, Design, Drive, Field, Merit, PortInfo, Profile, Result, Results, Simulation, Status, Sweep, Table, Texture, Trim, Verification
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
 __all__ = ["VERSION", "Device", "Measurement", "Plate", "_Study", "connect", "design", "ports", "presets"]
@@ -89,6 +89,10 @@ class Device:
         Ramps to silence within 2 ms, mutes the amplifier and latches a fault, from any thread; returns the sample index at which
         the ramp begins. Then :meth:`clear_faults`, and :meth:`arm`.
         """
+    def erase_profile(self, /) -> Profile:
+        """
+        Erases the profile from the board's flash, as ``slipline profile erase``. Press the board's user button and hold it meanwhile.
+        """
     def hold(self, /, max_rise_db: SupportsFloat | SupportsIndex = 12.0, *, timeout: SupportsFloat | SupportsIndex | None = None) -> None:
         """
         Holds the tones that sound at the level that the sensor measures now, whatever a finger absorbs, until the next drive.
@@ -119,6 +123,11 @@ class Device:
     def play(self, /, texture: Result, *, glide_s: SupportsFloat | SupportsIndex = 0.02, at: SupportsIndex | str | None = None) -> Drive:
         """
         Plays a texture of the plate in use: the result of ``plate.texture()``.
+        """
+    def profile(self, /) -> Profile:
+        """
+        The profile of the board's actuator, as ``slipline profile``: the limits that the device itself keeps, for every program.
+        ``profile`` of the result is ``None`` where it keeps none.
         """
     def reconnect(self, /) -> None:
         """
@@ -157,6 +166,30 @@ class Device:
         Without ``at`` the ramp begins now and takes 30 ms. ``at``, a sample index, is rounded up to a block of 128 samples; the
         tones fade from there on for ``glide_s``, 5 ms to 10 s. If it has passed, the ramp begins now: the returned index says so.
         It is one change ahead, as a drive for an index, and the next drive waits until it has begun.
+        """
+    def store_profile(self, /, text: str) -> Profile:
+        """
+        Stores a profile in the board's flash, as ``slipline profile write``: the text of its file, TOML. Press the board's user button
+        and hold it meanwhile.
+
+        Raises ``BadFile`` for the text, ``Refused`` if the button is not held.
+        """
+    def sweep(self, /, path: str | PathLike[str], *, duration_s: SupportsFloat | SupportsIndex = 4.0, points: SupportsIndex | None = None, low_hz: SupportsFloat | SupportsIndex | None = None, high_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 0.5) -> Sweep:
+        """
+        Plays a sweep twice for a separate recorder, as ``slipline sweep``, and writes its description into the file ``path``, which
+        :meth:`Measurement.read` needs as ``played`` with each recording; arms the device, and disarms it then.
+
+        ``duration_s`` is that of one sweep, 10 ms to 10 s; ``level`` that of the first one, the second one has half of it. An existing
+        file is replaced.
+        """
+    def trim(self, /, place_m: SupportsFloat | SupportsIndex, kind: str = "displacement", *, duration_s: SupportsFloat | SupportsIndex | None = None, points: SupportsIndex | None = None, low_hz: SupportsFloat | SupportsIndex | None = None, high_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 0.5, sweep: bool = False) -> Trim:
+        """
+        Measures the wave speed of the calibrated plate in use by one sensor, as ``slipline trim``, and with ``duration_s`` (up to a
+        day) again and again for this time; arms the device, and disarms it then.
+
+        The result has ``plate``, that of the latest speed, and ``begin`` and each of ``later`` with ``wave_speed_share`` and its 95 %
+        interval. The other arguments are those of :meth:`measure`. Raises ``Refused`` for a plate without a calibration, and where one
+        speed does not explain what was measured.
         """
     def use(self, /, plate: Plate) -> None:
         """
@@ -468,6 +501,11 @@ class _Study:
         Number of plates.
         """
     @property
+    def is_2d(self, /) -> bool:
+        """
+        Whether each plate is solved in two dimensions.
+        """
+    @property
     def place_m(self, /) -> list[float]:
         """
         Its places, metres: turning points on the nominal plate.
@@ -478,10 +516,15 @@ class _Study:
 
         Raises ``OutOfRange`` if the study has no such plate; ``BadFile`` if the plate file refuses its numbers.
         """
-    def run(self, /, first: SupportsIndex, end: SupportsIndex) -> tuple[Incomplete, Incomplete, Incomplete, Incomplete]:
+    @property
+    def results(self, /) -> list[tuple[str, str, str]]:
         """
-        The plates ``first`` to ``end`` (excluded): ``status`` (plates,), the fields that vary (plates, fields), the shifts of
-        the turning points in metres and the levels in dB (plates, places). Other threads run meanwhile.
+        Its results, each with its unit and its meaning.
+        """
+    def run(self, /, first: SupportsIndex, end: SupportsIndex) -> tuple[Incomplete, Incomplete, list[Incomplete]]:
+        """
+        The plates ``first`` to ``end`` (excluded): ``status`` (plates,), the fields that vary (plates, fields), and of each result
+        its numbers (plates, places). Other threads run meanwhile.
         """
     def to_toml(self, /) -> str:
         """

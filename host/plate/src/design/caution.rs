@@ -49,7 +49,7 @@ impl Design {
             *tension *= 1.0 + more;
             *wave_speed_m_per_s *= (1.0 + more).sqrt();
         }
-        let warm_m = Plate::new(warm).ok()?.turning_point_m(hertz).ok()?;
+        let warm_m = Plate::new(warm).ok()?.turning_point_m(hertz)?;
         Some((strain, (boundary_m - warm_m).abs() / KELVIN))
     }
 

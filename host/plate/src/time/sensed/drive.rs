@@ -44,12 +44,7 @@ pub(super) fn resonances(
         tried.into_iter().map(|hz| (hz, curve.least_phase_response(hz))).collect();
 
     let error = |pole: &[Complex64]| {
-        let advance = decay(&fields::with_background(
-            pole,
-            stop_hz,
-            sample_rate_hz,
-            fields::background_per_octave(plate),
-        ));
+        let advance = decay(&fields::with_background(pole, stop_hz, sample_rate_hz));
         Output::fit(goals.clone(), exact_hz, Held::NOWHERE, &advance, sample_rate_hz).error()
     };
     let [fewer @ .., most] = COUNTS;

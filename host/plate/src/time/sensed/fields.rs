@@ -1,7 +1,6 @@
 //! The field of the plate at the frequencies of the outputs' fit.
 
 use crate::calibrate::{SensorKind, seen};
-use crate::definition::air::AirMounting;
 use crate::definition::plate::Plate;
 use crate::frequency::equation::Equation;
 use crate::frequency::finger::{self, Finger};
@@ -26,16 +25,6 @@ const ROUGHLY: (usize, f64) = (48, 4.0);
 const NEAREST: f64 = 1e-5;
 /// Broad poles per octave for slow variations: distant resonances, the hold, a delay, a coil.
 const BACKGROUND_PER_OCTAVE: f64 = 1.5;
-/// The same on a membrane whose air holds its pressure together at a distance: no sum of decaying resonances does, least of all
-/// beyond the turning point.
-const BACKGROUND_IN_A_BAFFLE: f64 = 8.0;
-
-/// Broad poles per octave for a plate.
-pub(super) fn background_per_octave(plate: &Plate) -> f64 {
-    let distant = plate.spec().air.and_then(|air| air.mounting()).map_or(0.0, AirMounting::distant);
-    let is_membrane = plate.width_mode(1).air(plate.band_hz().0).is_some();
-    if is_membrane && distant != 0.0 { BACKGROUND_IN_A_BAFFLE } else { BACKGROUND_PER_OCTAVE }
-}
 
 /// The poles of the plate, plus broad ones from well below the band to above it, all with a positive frequency;
 /// rad/s.
@@ -43,7 +32,6 @@ pub(super) fn with_background(
     fitted: &[Complex64],
     (low_hz, high_hz): (f64, f64),
     sample_rate_hz: f64,
-    per_octave: f64,
 ) -> Vec<Complex64> {
     // A resonator of a real signal responds at both signs of the frequency.
     let mut pole: Vec<Complex64> = fitted.iter().map(|p| Complex64::new(p.re.abs(), p.im)).collect();
@@ -51,7 +39,7 @@ pub(super) fn with_background(
     let top_hz = (16.0 * high_hz).min(0.45 * sample_rate_hz);
     pole.retain(|p| p.norm() < TAU * top_hz);
     let octaves = (top_hz / low_hz).log2();
-    let count = (octaves * per_octave).ceil() as usize + 1;
+    let count = (octaves * BACKGROUND_PER_OCTAVE).ceil() as usize + 1;
     pole.extend((0..count).map(|i| {
         let hertz = low_hz * (octaves * i as f64 / (count - 1).max(1) as f64).exp2();
         TAU * hertz * Complex64::new(0.6, -0.8)

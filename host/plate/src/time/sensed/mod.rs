@@ -114,8 +114,7 @@ impl SensedPlate {
         };
         let mut pole = fit.bank.pole;
         pole.extend(drive::resonances(plate, exact_hz, stop_hz, sample_rate_hz, decay));
-        let per_octave = fields::background_per_octave(plate);
-        let pole = fields::with_background(&pole, stop_hz, sample_rate_hz, per_octave);
+        let pole = fields::with_background(&pole, stop_hz, sample_rate_hz);
         let fields = Fields::new(plate, finger, &pole, exact_hz, stop_hz, sample_rate_hz);
         let advance = decay(&pole);
         Ok(Self { plate: plate.clone(), sample_rate_hz, fields, advance })
