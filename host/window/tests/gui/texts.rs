@@ -71,7 +71,7 @@ fn texts(picture: &FullOutput) -> Vec<Text> {
 /// the pointer; a message that two rows cannot hold opens when it is pressed.
 fn may_be_elided(app: &TestApp, text: &Text) -> bool {
     let start = text.words.trim_end_matches('…');
-    if text.seen.top() > app.window.ctx.content_rect().bottom() - STATUS {
+    if text.seen.center().y > app.window.ctx.content_rect().bottom() - STATUS {
         return true;
     }
     app.window.state().setup().plate.name().starts_with(start)

@@ -166,18 +166,27 @@ fn the_tones_of_a_texture_are_ticks_under_the_strip_and_the_selected_line_ends_a
     let tones = app.window.state().setup().tones.len();
     assert!(tones >= 2, "{tones}");
     let strip = app.window.get_by_label_contains("felt to").rect();
-    let line = crate::line_rect(&app);
-    assert!(line.bottom() < strip.top(), "{line} {strip}");
-    for tone in 2..=tones {
-        let name = format!("Peak of tone {tone}");
-        let tick = app.window.get_by_role_and_label(Role::Slider, &name).rect();
+    let names = (1..=tones)
+        .map(|tone| if tone == 1 { "Boundary".to_owned() } else { format!("Peak of tone {tone}") });
+    let places = |app: &TestApp| -> Vec<(String, Rect)> {
+        let at = |name: String| {
+            let rect = app.window.get_by_role_and_label(Role::Slider, &name).rect();
+            (name, rect)
+        };
+        names.clone().map(at).collect()
+    };
+    let (whole, ticks): (Vec<_>, Vec<_>) =
+        places(&app).into_iter().partition(|(_, rect)| rect.height() > 100.0);
+    assert_eq!((whole.len(), ticks.len()), (1, tones - 1));
+    assert!(whole[0].1.bottom() < strip.top(), "{whole:?} {strip}");
+    for (name, tick) in &ticks {
         assert!(tick.top() >= strip.bottom() - 1.0 && tick.height() >= 24.0, "{name}: {tick} {strip}");
     }
     // A press on a tick selects it, and its line is whole then.
-    let tick = app.window.get_by_role_and_label(Role::Slider, "Peak of tone 3").rect().center();
-    app.grab(tick, 50);
-    app.release(tick, 200);
-    let now = app.window.get_by_role_and_label(Role::Slider, "Peak of tone 3").rect();
+    let (pressed, tick) = &ticks[0];
+    app.grab(tick.center(), 50);
+    app.release(tick.center(), 200);
+    let now = places(&app).into_iter().find(|(name, _)| name == pressed).unwrap().1;
     assert!(now.height() > 100.0 && now.bottom() < strip.top(), "{now}");
 }
 
