@@ -277,7 +277,8 @@ fn checked(truth: &Plate) -> Result<DriveCheck, RigError> {
 /// sheet of the piezo must outweigh.
 #[test]
 fn a_plate_that_is_soft_below_its_cut_off_has_a_piezo_that_outweighs_its_motion() {
-    let lead_in = include_str!("../../../plate/tests/clamped_lead_in.toml");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../plate/tests/clamped_lead_in.toml");
+    let lead_in = &std::fs::read_to_string(file).expect("the file");
     let lead_in = Plate::from_toml(lead_in).expect("a plate");
     let with = |source: Source| {
         let spec = PlateSpec { drive_end: DriveEnd::Source(source), ..lead_in.spec().clone() };
