@@ -67,7 +67,9 @@ impl<'a> InputField<'a> {
             if is_over && !ui.memory(|memory| memory.has_focus(id)) {
                 fields.texts.remove(&id);
             }
-            let typing = fields.texts.get(&id);
+            // A field in which nothing has been typed follows its value: leaving it changes nothing.
+            let is_typed = |typing: &&Typing| typing.error.is_some() || typing.text != typing.over;
+            let typing = fields.texts.get(&id).filter(is_typed);
             let mut text = typing.map_or_else(|| self.value.to_owned(), |typing| typing.text.clone());
             let mut error = typing.and_then(|typing| typing.error.clone());
             let mut edit = egui::TextEdit::singleline(&mut text)
