@@ -61,6 +61,7 @@ OWN = {
 OR_NONE = {
     "Calibration": ("by", "caution", "chi2_per_n", "turning_point_per_place"),
     "Check": ("turning_point_m",),
+    "Design": ("caution",),
     "Trim": ("caution",),
     "FieldTwoDimensions": ("level_db", "one_mode_reflection", "reflection"),
     "Simulation": (

@@ -100,7 +100,7 @@ def test_the_same_call_goes_on_and_refuses_by_name_what_differs(device, tmp_path
     before = events(tmp_path).read_bytes()
     others = {
         "it has 2 rows, and there are 1 trials": LIST[:1],
-        "line 2: .* its turning_point_m is 0.12, not n/a": [LIST[1], LIST[0], LIST[2]],
+        "line 2: .* its trial_type is near, not far": [LIST[1], LIST[0], LIST[2]],
         "line 2: .* its level is 0.5, not 0.6": [{**LIST[0], "level": 0.6}, *LIST[1:]],
         "line 3: .* its duration_s is 0.5, not 0.4": [LIST[0], {**LIST[1], "duration_s": 0.4}, LIST[2]],
         "line 3: .* its timeout_s is n/a, not 2.0": [LIST[0], {**LIST[1], "timeout_s": 2}, LIST[2]],
