@@ -88,14 +88,17 @@ pub(crate) enum ClosedEnd {
     /// That of a plate file.
     Own(Box<Plate>),
     /// A source that is open.
-    Open(LoadedEnd, OpenSource),
+    Open(Box<LoadedEnd>, OpenSource),
 }
 
 impl ClosedEnd {
     /// That of the plate of `spec`; `None` where it is refused.
     pub(crate) fn of(spec: &PlateSpec, source: Option<&OpenSource>) -> Option<Self> {
         match source {
-            Some(source) => Some(Self::Open(LoadedEnd::new(spec, source.soft, source.units)?, *source)),
+            Some(source) => {
+                let end = LoadedEnd::new(spec, source.soft, source.units)?;
+                Some(Self::Open(Box::new(end), *source))
+            }
             None => Some(Self::Own(Box::new(Plate::new(spec.clone()).ok()?))),
         }
     }
