@@ -114,7 +114,7 @@ pub enum Command {
     Sweep(sweep::SweepArguments),
     /// Correct a plate file by measurements: of a sensor at two places or at one, of the drive's current, or of edges that
     /// a finger felt.
-    Calibrate(calibrate::CalibrateArguments),
+    Calibrate(Box<calibrate::CalibrateArguments>),
     /// Measure the present wave speed of a calibrated plate by one sensor, and follow it while tension or temperature change.
     Trim(trim::TrimArguments),
     /// Draw the paper's figures, as printed and corrected, and those of the physics, as SVG, PNG and CSV

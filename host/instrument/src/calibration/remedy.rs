@@ -29,8 +29,10 @@ impl Remedy {
             | CalibrateError::Clipped { place_m, .. }
             | CalibrateError::NoSignal { place_m }
             | CalibrateError::Misplaced { place_m, .. }
+            | CalibrateError::HeavySensor { place_m, .. }
             | CalibrateError::NotCarried { place_m, .. } => at(place_m),
             CalibrateError::NoStrain
+            | CalibrateError::AnotherMass { .. }
             | CalibrateError::FewFrequencies { .. }
             | CalibrateError::NotCovered { .. } => Self::Page(WizardPage::FirstAnswer),
             CalibrateError::DifferentSensors | CalibrateError::SamePlace { .. } => {

@@ -15,6 +15,9 @@ fn opened(session: &mut Session) -> Option<Page> {
     outputs.into_iter().find_map(|output| if let Output::Open(page) = output { Some(page) } else { None })
 }
 
+/// A step, the page that it opens, and what the user does there.
+type Does = (TourStep, Page, fn(&mut Session));
+
 #[test]
 fn each_step_opens_the_page_of_its_control_and_is_done_when_the_user_has_done_it() {
     let (mut session, _bench) = Session::at_bench();
@@ -22,7 +25,7 @@ fn each_step_opens_the_page_of_its_control_and_is_done_when_the_user_has_done_it
     session.pass(1500);
     assert!(!session.is_driving() && tour(&session).is_none());
     session.instrument.begin_tour();
-    let does: [(TourStep, Page, fn(&mut Session)); 6] = [
+    let does: [Does; 6] = [
         (TourStep::Line, Page::Boundary, |session| session.move_to(session.line_mm() - 20.0)),
         (TourStep::Finger, Page::Boundary, |session| {
             let place_m = session.instrument.screen.finger_place_m();
