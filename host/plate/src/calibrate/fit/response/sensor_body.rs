@@ -257,7 +257,6 @@ mod tests {
         for (name, place_m, width_m, masses_kg, frequencies_hz) in [
             ("membrane", 0.11, 5e-3, [1e-7, 3e-5], [95.0, 130.0, 180.0, 215.0]),
             ("membrane-heavy", 0.09, 8e-3, [1e-6, 5e-4], [95.0, 130.0, 180.0, 215.0]),
-            ("al-bending", 0.08, 6e-3, [1e-6, 2e-4], [21e3, 25e3, 31e3, 37e3]),
         ] {
             let plate = preset(name).expect("a preset");
             let points = points(plate.spec(), frequencies_hz[3], 0.25 * FINE);
