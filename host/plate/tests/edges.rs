@@ -1,9 +1,9 @@
 //! Edges that give: every law takes W + delta, and a file without the field keeps its numbers.
 
+use super::calibration::film;
 use super::time_line::assert_answers_a_tone;
 use slipline_plate::{
-    Complex64, Equation, Film, Model, Plate, PlateFileError, PlateSpec, Taper, plane, preset, presets,
-    respond,
+    Complex64, Equation, Plate, PlateFileError, PlateSpec, Taper, plane, preset, presets, respond,
 };
 
 fn giving(plate: &Plate, give_m: f64) -> Plate {
@@ -23,17 +23,6 @@ fn cut_wider(plate: &Plate, give_m: f64) -> Plate {
 
 fn clamped() -> Plate {
     Plate::from_toml(include_str!("edges/clamp_gives_nominal.toml")).expect("a plate")
-}
-
-fn film() -> Plate {
-    let mut spec = preset("membrane").expect("a preset").spec().clone();
-    let film = Film { youngs_modulus_pa: 4.5e9, poisson_ratio: 0.38, thickness_m: 50e-6 };
-    spec.model = Model::Membrane {
-        wave_speed_m_per_s: 12.0,
-        tension_n_per_m: Some(1390.0 * 50e-6 * 144.0),
-        film: Some(film),
-    };
-    Plate::new(spec).expect("a plate")
 }
 
 /// The largest difference of two fields over the largest amplitude.

@@ -109,7 +109,7 @@ fn plates_in_two_dimensions_are_calibrated_by_the_one_mode_equation() {
 }
 
 /// Polyester of 50 um in place of the sheet of the preset `membrane`.
-fn film() -> Plate {
+pub(crate) fn film() -> Plate {
     let mut spec = preset("membrane").expect("a preset").spec().clone();
     let film = Film { youngs_modulus_pa: 4.5e9, poisson_ratio: 0.38, thickness_m: 50e-6 };
     spec.model = Model::Membrane {

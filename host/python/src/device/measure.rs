@@ -99,9 +99,7 @@ impl Band {
 impl Circuit {
     /// None: the drive is not checked.
     pub(super) const UNKNOWN: Self = Self { amplifier_v: None, coil_ohm: None, piezo_f: None, shunt_a: None };
-}
 
-impl Circuit {
     fn known(self) -> Result<Option<KnownDrive>, Failure> {
         let Self { amplifier_v, coil_ohm, piezo_f, shunt_a } = self;
         optional("amplifier_v", amplifier_v, AMPLIFIER)?;
