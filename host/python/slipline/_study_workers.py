@@ -58,8 +58,10 @@ class ClusterWorkers:
         try:
             with _ctrl_c_is_raised():
                 if address == "local":
-                    # Without workers at first: what has begun can then be ended, whenever Ctrl-C comes.
-                    self._cluster = LocalCluster(n_workers=0, threads_per_worker=1, dashboard_address=None)
+                    # Without workers at first: what has begun can then be ended, whenever Ctrl-C comes. Nobody looks at the profile
+                    # that Dask takes of each worker a hundred times a second, a sixth of its time.
+                    config = {"distributed.worker.profile.enabled": False}
+                    self._cluster = LocalCluster(n_workers=0, threads_per_worker=1, dashboard_address=None, config=config)
                     self._cluster.scale(len(allowed_processors()))
                 self._client = Client(self._cluster or address, set_as_default=False)
                 self._client.wait_for_workers(1, timeout=first_worker_s)
