@@ -55,6 +55,16 @@ def test_a_row_has_the_columns_of_bids_and_what_was_asked_and_played(device, tmp
         assert float(row["host_clock_s"]) == pytest.approx(index / RATE_HZ)
 
 
+def test_rows_become_a_table_of_numbers_and_labels(device, tmp_path):
+    answers = iter(['a "quoted', None, "NA"])
+    table = run(device(), LIST, lambda trial: next(answers), tmp_path).to_pandas()
+    assert list(table.columns) == events(tmp_path).read_text().splitlines()[0].split("\t") and len(table) == 3
+    assert table.response.fillna("missing").tolist() == ['a "quoted', "missing", "NA"]
+    assert table.level.tolist() == [0.5, 0.8, 0.8] and table.at_samples.iloc[0] == 41_000
+    assert table.session.tolist() == ["01"] * 3 and table.table_crc.tolist() == ["0badcafe"] * 3
+    assert list(trials.Rows().to_pandas().columns) == list(trials.COLUMNS)
+
+
 def test_a_tone_without_a_duration_sounds_until_it_is_answered(device, tmp_path):
     display = device()
     run(display, LIST, lambda trial: display.calls.append(("answer",)), tmp_path)

@@ -104,9 +104,11 @@ def sessions(plate: slipline.Plate, device: slipline.Device) -> None:
     low.take_answer(low.trial(), True)
     pair = slipline.trials.interleaved(low, slipline.Staircase(0.22, 0.25), seed=1)
     listed = [{"felt_edge_m": 0.21, "level": 0, "iti_s": (1.0, 2.0)}, {"texture": plate.texture(solid_m=0.24), "duration_s": 1.0}]
-    rows: list[dict[str, str]] = slipline.trials.run(device, pair, lambda trial: True, folder="study", subject="01", task="edge")
+    rows: slipline.trials.Rows = slipline.trials.run(device, pair, lambda trial: True, folder="study", subject="01", task="edge")
+    rows.to_pandas()
+    response: str = rows[0]["response"]
     slipline.trials.run(device, listed, len, folder="study", subject="01", task="edge", seed=1, max_alike=2, take_break=print)
-    print(in_use, rows, low)
+    print(in_use, rows, response, low)
 
 
 def typos(plate: slipline.Plate, device: slipline.Device) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import os
 from collections.abc import Mapping
@@ -13,7 +15,7 @@ from ._trial_fields import Trial
 from ._trial_files import Description, cell, replace
 from .errors import BadFile
 
-__all__ = ["COLUMNS", "Axis", "Table", "answer_of", "date_of"]
+__all__ = ["COLUMNS", "Axis", "Rows", "Table", "answer_of", "date_of"]
 
 _YES = {"yes": "True", "no": "False"}
 
@@ -53,12 +55,27 @@ COLUMNS: Mapping[str, Mapping[str, Any]] = {
 }
 
 
+class Rows(list[dict[str, str]]):
+    """The rows of ``events.tsv``: of each trial its cells as texts, by the names of the columns."""
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` with a row for each trial: numbers as numbers, ``n/a`` as missing, names and ``yes`` and ``no`` as
+        texts. Needs pandas."""
+        import pandas
+
+        names = list(self[0]) if self else list(COLUMNS)
+        text = "\n".join("\t".join(cells) for cells in (names, *(row.values() for row in self)))
+        # Labels such as 01 are no numbers. A cell holds no quotation marks that a reader takes away.
+        labels = dict.fromkeys(("session", "unit", "plate", "table_crc"), str)
+        return pandas.read_csv(io.StringIO(text), sep="\t", na_values="n/a", keep_default_na=False, dtype=labels, quoting=csv.QUOTE_NONE)
+
+
 class Table:
     """The rows of one file."""
 
     def __init__(self, path: Path, description: Description) -> None:
         self.path = path
-        self.rows: list[dict[str, str]] = []
+        self.rows = Rows()
         self.names = list(COLUMNS)
         self._description = description
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -92,7 +109,7 @@ class Table:
         row |= {column: cell(value) for column, value in own.items()}
         names = [*self.names, *(name for name in row if name not in self.names)]
         row = {name: row.get(name, "n/a") for name in names}
-        rows = [*self.rows, row]
+        rows = Rows([*self.rows, row])
         # Before the row: its values must be in the description.
         self._description.take(COLUMNS, rows, names)
         if names == self.names:
@@ -103,7 +120,7 @@ class Table:
         else:
             lines = ["\t".join(names), *(_line(row, names) for row in rows)]
             replace(self.path, "\n".join(lines) + "\n")
-            rows = [{name: row.get(name, "n/a") for name in names} for row in rows]
+            rows = Rows({name: row.get(name, "n/a") for name in names} for row in rows)
         self.names = names
         self.rows = rows
 

@@ -26,11 +26,11 @@ from ._trial_fields import FIELDS, Trial, check_on_plate, checked
 from ._trial_files import Description, describe_dataset, events_path
 from ._trial_order import check_seed, interval_s, ordered
 from ._trial_play import ANSWERED, Played, Player, columns_of
-from ._trial_table import COLUMNS, Axis, Table, answer_of, date_of
+from ._trial_table import COLUMNS, Axis, Rows, Table, answer_of, date_of
 from .errors import BadFile, OutOfRange, Unattended
 from .staircase import Staircase
 
-__all__ = ["COLUMNS", "Interleaved", "interleaved", "run"]
+__all__ = ["COLUMNS", "Interleaved", "Rows", "interleaved", "run"]
 
 #: What a trial may not name: the columns that the run writes.
 RESERVED = [column for column in COLUMNS if column not in FIELDS]
@@ -86,7 +86,7 @@ def run(
     break_every: int | None = None,
     take_break: Callable[[dict[str, Any]], Any] | None = None,
     columns: Mapping[str, Mapping[str, Any]] | None = None,
-) -> list[dict[str, str]]:
+) -> Rows:
     """Runs the trials that have no row yet, and returns the rows of all of them. The device must be armed.
 
     **A trial** is a dictionary. What sounds: ``felt_edge_m``, ``turning_point_m`` or ``frequency_hz`` with ``level`` (0.8);
