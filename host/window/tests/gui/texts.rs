@@ -187,6 +187,20 @@ fn no_text_is_cut_or_lies_over_another_at_a_first_start() {
 }
 
 #[test]
+fn the_line_above_the_plate_is_whole_at_every_width() {
+    let mut app = TestApp::first_start(ThemeChoice::Dark, egui_kittest::HarnessBuilder::default());
+    let mut found = Vec::new();
+    for width in (640..1280).step_by(40) {
+        for _ in 0..4 {
+            let points = vec2(width as f32, 320.0) / app.window.ctx.zoom_factor();
+            app.resize(points, 50);
+        }
+        found.extend(wrong(&app).into_iter().map(|what| format!("{width}: {what}")));
+    }
+    assert_none(&found);
+}
+
+#[test]
 fn no_text_is_cut_or_lies_over_another_with_ten_tones() {
     let ten = || {
         let mut app = TestApp::driving();

@@ -25,10 +25,6 @@ const STRIDE: usize = 4;
 /// The least width of the line above the plate for the whole colour scale, in points.
 const ROOM_FOR_SCALE: f32 = 720.0;
 
-/// In a line narrower than this, in points, the colour scale is left out; the envelope's axis shows the same
-/// values.
-const ROOM_FOR_ANY_SCALE: f32 = 440.0;
-
 /// Least width of the plate's name, in points.
 const NAME: f32 = 110.0;
 
@@ -41,15 +37,13 @@ pub(crate) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
             show_amplitude: scene.settings.show_amplitude,
             is_wide: ui.available_width() >= ROOM_FOR_SCALE,
         };
-        let has_scale = ui.available_width() >= ROOM_FOR_ANY_SCALE;
-        let scale = if has_scale { look.size(ui).x + GAP } else { 0.0 };
-        let beside = if has_scale {
-            let mark = ui.spacing().icon_width + ui.spacing().icon_spacing;
-            SWITCHES.iter().map(|name| button_width(ui, name)).sum::<f32>() + 3.0 * GAP + mark
-        } else {
-            button_width(ui, colours(scene)) + GAP
-        };
-        let right = validity::chip_width(ui, scene) + beside + scale + 14.0;
+        let chip = validity::chip_width(ui, scene) + 14.0;
+        let mark = ui.spacing().icon_width + ui.spacing().icon_spacing;
+        let switches_width = SWITCHES.iter().map(|name| button_width(ui, name)).sum::<f32>() + 3.0 * GAP + mark;
+        let whole = chip + switches_width + look.size(ui).x + GAP;
+        // Without room for the colour scale the switches share a button; the envelope's axis shows the scale's values.
+        let has_scale = ui.available_width() >= NAME + whole;
+        let right = if has_scale { whole } else { chip + button_width(ui, colours(scene)) + GAP };
         // The name is shortened in favour of the controls at the right; hovering shows all of it.
         let left = vec2((ui.available_width() - right).max(30.0), ui.available_height());
         ui.allocate_ui_with_layout(left, egui::Layout::left_to_right(egui::Align::Center), |ui| {
