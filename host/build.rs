@@ -6,6 +6,7 @@
 //! With the features `page` and `images` it also lists the files of the built page and of the boards' images, which then are in
 //! the program.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -67,7 +68,13 @@ impl Included {
             return Err(format!("it has no {}", self.has));
         }
         let mut list = format!("{}: names and bytes.\nconst BUILT_IN: &[(&str, &[u8])] = &[\n", self.of);
-        for file in files {
+        // A file that is there as `gzip` has packed it, too, is in the program once: packed.
+        let packed: BTreeSet<PathBuf> = files
+            .iter()
+            .filter(|file| file.extension().is_some_and(|end| end == "gz"))
+            .map(|file| file.with_extension(""))
+            .collect();
+        for file in files.iter().filter(|file| !packed.contains(*file)) {
             let name = file.file_name().and_then(|name| name.to_str()).ok_or("a name that is no text")?;
             let place = file.to_str().ok_or("a place that is no text")?;
             let _ = writeln!(list, "    ({name:?}, include_bytes!({place:?})),");

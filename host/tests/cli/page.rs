@@ -110,6 +110,21 @@ fn a_browser_that_takes_gzip_gets_a_file_that_is_built_packed() {
 }
 
 #[test]
+fn a_file_that_is_there_packed_alone_is_unpacked_for_a_browser_that_does_not_take_it() {
+    let outside = built("page-unpacked");
+    // By `printf import | gzip -9 -n`. A program holds each file once.
+    let packed =
+        b"\x1f\x8b\x08\x00\x00\x00\x00\x00\x02\x03\xcb\xcc-\xc8/*\x01\x00\x1d\xceN\x9d\x06\x00\x00\x00";
+    std::fs::write(outside.join("target/page/alone.js.gz"), packed).unwrap();
+    let serving = start(&outside, &["--folder", "target/page"]);
+    for (accepted, expected) in [("gzip", &packed[..]), ("identity", b"import")] {
+        let (head, body) =
+            serving.answer("GET", &format!("/alone.js HTTP/1.1\r\nAccept-Encoding: {accepted}\r\nX:"));
+        assert!(head.starts_with("http/1.1 200 ") && body == expected, "{accepted}: {head}");
+    }
+}
+
+#[test]
 fn nothing_else_is_answered() {
     let outside = built("page-else");
     let serving = start(&outside, &["--folder", "target/page"]);

@@ -1,7 +1,9 @@
 //! What is served: the files of a folder, or those that were built into the program.
 
 use super::super::failure::Failure;
+use flate2::read::GzDecoder;
 use std::borrow::Cow;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 #[cfg(feature = "page")]
@@ -66,11 +68,19 @@ impl Contents {
 
     /// The file of this name as `gzip` has packed it, if it was built so.
     pub(super) fn read_packed(&self, name: &str) -> Option<Cow<'static, [u8]>> {
-        self.read(&format!("{name}.gz"))
+        self.stored(&format!("{name}.gz"))
     }
 
-    /// The bytes of the file of this name; `None` where there is none.
+    /// The bytes of the file of this name, unpacked where only the packed one is there; `None` where there is none.
     pub(super) fn read(&self, name: &str) -> Option<Cow<'static, [u8]>> {
+        self.stored(name).or_else(|| {
+            let mut bytes = Vec::new();
+            GzDecoder::new(&*self.read_packed(name)?).read_to_end(&mut bytes).ok()?;
+            Some(Cow::Owned(bytes))
+        })
+    }
+
+    fn stored(&self, name: &str) -> Option<Cow<'static, [u8]>> {
         match self {
             Self::BuiltIn => {
                 let (_, bytes) = BUILT_IN.iter().find(|(of, _)| *of == name)?;

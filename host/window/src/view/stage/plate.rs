@@ -39,7 +39,8 @@ pub(crate) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
         };
         let chip = validity::chip_width(ui, scene) + 14.0;
         let mark = ui.spacing().icon_width + ui.spacing().icon_spacing;
-        let switches_width = SWITCHES.iter().map(|name| button_width(ui, name)).sum::<f32>() + 3.0 * GAP + mark;
+        let switches_width =
+            SWITCHES.iter().map(|name| button_width(ui, name)).sum::<f32>() + 3.0 * GAP + mark;
         let whole = chip + switches_width + look.size(ui).x + GAP;
         // Without room for the colour scale the switches share a button; the envelope's axis shows the scale's values.
         let has_scale = ui.available_width() >= NAME + whole;
