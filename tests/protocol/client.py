@@ -121,6 +121,10 @@ class Client:
         """
         return self._patiently("DriveActive", 0.01, lambda: self._accepted("ArmFor", ArmLease(lease_ms)))
 
+    def bench(self, lease_ms: int) -> int:
+        """As `arm_for`, but the mute pin stays low until the device is disarmed. Raises as `arm_for`."""
+        return self._patiently("DriveActive", 0.01, lambda: self._accepted("Bench", ArmLease(lease_ms)))
+
     def disarm(self) -> int:
         """Ramps to silence and mutes."""
         return self._accepted("Disarm")
@@ -283,6 +287,19 @@ class Client:
     def board(self) -> BoardEvent:
         """What the device has found on its board. Raises `SliplineError` with a device older than 1.3."""
         return self._request("Board", "Board")[1]
+
+    def analogue(self) -> AnalogueEvent:
+        """What the start has found of the analogue supply. Raises `SliplineError` with a device older than 1.3."""
+        return self._request("Analogue", "Analogue")[1]
+
+    def mute_pin(self, trial: str = "Read") -> MutePinEvent:
+        """The mute pin, read back; a trial (`Lapse`, `Break`) takes it low and disarms. Raises `SliplineError` with a device older
+        than 1.3."""
+        return self._request("MutePin", "MutePin", MuteStep(Choice(trial)))[1]
+
+    def clock(self) -> ClockEvent:
+        """Sample index, cycle counter and USB frame at one moment. Raises `SliplineError` with a device older than 1.3."""
+        return self._request("Clock", "Clock")[1]
 
     def profile(self) -> ProfileEvent:
         """The profile of the actuator that is in force. Raises `SliplineError` with a device older than 1.3."""
