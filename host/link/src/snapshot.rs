@@ -10,7 +10,7 @@ use crate::table::DeviceTable;
 use crate::trace::TracedFrame;
 use crate::upkeep;
 use slipline_protocol::Command;
-use slipline_protocol::board::BoardReport;
+use slipline_protocol::board::{Analogue, BoardReport, ClockReport, MutePin};
 use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::{
     AcceptedUntil, Fault, Faults, Identity, Maintenance, ProfileReport, State, Status, TableReport,
@@ -150,6 +150,12 @@ pub struct DeviceView {
     pub compatibility: Option<Compatibility>,
     /// What it has found on its board, while connected; `None` with a protocol older than 1.3. Read at the start.
     pub board: Option<BoardReport>,
+    /// What it has found of its analogue supply, while connected; `None` with a protocol older than 1.3. Read at the start.
+    pub analogue: Option<Analogue>,
+    /// Its mute pin, as it was read last ([`Request::MutePin`](crate::Request::MutePin)); `None` before that.
+    pub mute_pin: Option<MutePin>,
+    /// Its clocks, as they were read last ([`Request::ReadClock`](crate::Request::ReadClock)); `None` before that.
+    pub clock: Option<ClockReport>,
     /// The capabilities of its inputs, while connected; `None` with a protocol older than 1.3. Read at the start.
     pub inputs: Option<InputsReport>,
     /// The profile of its actuator, while connected; `None` with a protocol older than 1.3. Read at the start and after each write.

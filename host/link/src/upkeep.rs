@@ -1,6 +1,6 @@
 //! Texts about a device's [`Maintenance`] and inputs, for the person who maintains it.
 
-use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
+use slipline_protocol::board::{Analogue, BoardReport, MuteResistor, StopInput, UserButton};
 use slipline_protocol::event::{Maintenance, StoredConfig, Wear};
 use slipline_protocol::listen::InputsReport;
 
@@ -106,6 +106,32 @@ pub const fn muted_for_good(board: &BoardReport) -> Option<&'static str> {
              restarted with the resistor in its place (firmware/BOARDS.md).",
         ),
     }
+}
+
+/// The reference voltage within which DAC and ADC work as the boards' page says, in mV.
+pub const REFERENCE_MV: (u16, u16) = (2900, 3400);
+
+/// The warning that the reference voltage of DAC and ADC is wrong, if the device has measured it and it is.
+///
+/// ```
+/// use slipline_link::protocol::board::Analogue;
+/// use slipline_link::upkeep::wrong_reference;
+///
+/// let at = |reference_mv| wrong_reference(&Analogue { reference_mv, ..Analogue::default() });
+/// assert_eq!((at(0), at(2900), at(3400)), (None, None, None));
+/// assert!(at(2700).unwrap().starts_with("The reference voltage VREF+ is 2.70 V"));
+/// ```
+#[must_use]
+pub fn wrong_reference(analogue: &Analogue) -> Option<String> {
+    let (lowest, highest) = REFERENCE_MV;
+    let is_wrong = analogue.reference_mv > 0 && !(lowest..=highest).contains(&analogue.reference_mv);
+    is_wrong.then(|| {
+        let [is, from, to] = [analogue.reference_mv, lowest, highest].map(|mv| f64::from(mv) / 1000.0);
+        format!(
+            "The reference voltage VREF+ is {is:.2} V; allowed are {from} to {to} V. Every level and every measured code \
+             is wrong by the same factor: check the board's supply (firmware/BOARDS.md)."
+        )
+    })
 }
 
 /// What is damaged in the device's flash, and the cure; `profile` is the result of reading the actuator's profile, if the device
