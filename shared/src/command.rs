@@ -80,6 +80,8 @@ messages! {
         0x1b since 3 ArmFor(ArmLease) -> Accepted,
         /// As `ArmFor`, but the mute pin stays low until the device is disarmed: drives sound at the DAC's output alone. All that ends
         /// a drive ends one on the bench. Refused (`Armed`) while the device is armed otherwise, as `Arm` and `ArmFor` are on the bench.
+        /// A drive that begins to wait for the trigger input there raises the trigger output itself, at the index of its answer: a wire
+        /// between the two pins lets it begin.
         0x1c since 3 Bench(ArmLease) -> Accepted,
         /// Begins to upload a turning-point table. The drive continues by the table in force.
         0x20 since 0 TableBegin(TableHeader) -> Accepted,

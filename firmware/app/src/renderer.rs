@@ -208,6 +208,8 @@ impl Renderer {
             if self.listens && !has_listened {
                 // A rise of before counts for nothing.
                 trigger.has_risen();
+                // On the bench a wire may lead from the output to the input.
+                self.begins |= self.on_bench;
             }
             if dac.write_block(&codes).await.is_err() {
                 self.underrun(mailbox);
