@@ -7,9 +7,10 @@ use core::ops::Range;
 use slipline_dds::bank::{BLOCK, TONES};
 
 pub use slipline_protocol::board::{
-    Analogue, BoardReport, ClockReport, MuteFall, MuteResistor, MuteTrial, PinLevel, StopInput, UserButton,
+    Analogue, BoardReport, ClockReport, MuteFall, MuteResistor, MuteTrial, PinLevel, StopInput, UsbFrame,
+    UserButton,
 };
-use slipline_protocol::units::SampleIndex;
+pub use slipline_protocol::units::SampleIndex;
 
 /// The renderer's ports of a board.
 #[derive(Clone, Copy, Debug)]

@@ -5,6 +5,7 @@
 //! not read, and a read waits without a limit. A write waits too, but the application drops it with its reply when the
 //! host has not taken it in time: a host that has stopped reading must not stop the program.
 
+use cortex_m::peripheral::DWT;
 use embassy_executor::Spawner;
 use embassy_futures::select::select;
 use embassy_stm32::interrupt::{self, InterruptExt};
@@ -17,6 +18,7 @@ use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
 use embassy_usb::driver::EndpointError;
 use embassy_usb::{Builder, Handler, UsbDevice};
 use embedded_io_async::{ErrorKind, ErrorType, Read, Write};
+use slipline_app::ports::UsbFrame;
 use static_cell::StaticCell;
 
 use crate::priority;
@@ -83,6 +85,18 @@ pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
         spawner.spawn(task);
     }
     (FromHost { receiver, packet: [0; PACKET], start: 0, end: 0 }, ToHost(sender))
+}
+
+/// Looks at the frame's number until it changes, at most: a look takes 10 cycles of the core or more, and a frame 400 000 at most.
+const FRAME_LOOKS: u32 = 50_000;
+
+/// The frame that the host begins next, with the cycle counter then; `None` if it begins none.
+pub(crate) fn next_frame() -> Option<UsbFrame> {
+    // DSTS.FNSOF, of which full speed uses 11 bits (RM0090 34.16.4).
+    let number = || pac::USB_OTG_FS.dsts().read().fnsof() & 0x7ff;
+    let before = number();
+    let number = (0..FRAME_LOOKS).map(|_| number()).find(|number| *number != before)?;
+    Some(UsbFrame { number, cycles: DWT::cycle_count() })
 }
 
 /// IN endpoints that every core has, the control endpoint included (F407: four, RM0090 34.3; H743: nine).
