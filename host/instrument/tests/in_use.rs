@@ -8,6 +8,8 @@ mod chords;
 #[cfg(feature = "native")]
 #[path = "in_use/client.rs"]
 mod client;
+#[path = "in_use/desk.rs"]
+mod desk;
 #[path = "in_use/drive_check.rs"]
 mod drive_check;
 #[path = "in_use/drive_time.rs"]
@@ -34,6 +36,8 @@ mod replaying;
 #[path = "in_use/script.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod script;
+#[path = "in_use/selftest.rs"]
+mod selftest;
 #[path = "in_use/sensors.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod sensors;

@@ -272,6 +272,7 @@ impl<O: Opener> Connection<O> {
             | Request::WriteProfile(_)
             | Request::Bootloader
             | Request::MutePin(_)
+            | Request::ReadBoard
             | Request::ReadClock
             | Request::Refresh
             | Request::Digest(_) => self.request_of_device(ticket, request, now),

@@ -67,6 +67,9 @@ pub enum Request {
     /// Read the mute pin back, or measure how long it takes to go low; [`DeviceView::mute_pin`](crate::snapshot::DeviceView::mute_pin)
     /// has the answer. A trial disarms the device.
     MutePin(MuteTrial),
+    /// Read again what the device finds on its board and how many blocks its inputs have lost; [`DeviceView::board`](crate::snapshot::DeviceView::board)
+    /// and [`DeviceView::inputs`](crate::snapshot::DeviceView::inputs) have the answers.
+    ReadBoard,
     /// Read the device's clocks at one moment; [`DeviceView::clock`](crate::snapshot::DeviceView::clock) has the answer.
     ReadClock,
     /// Read the status now.
@@ -105,6 +108,7 @@ impl Request {
             Self::WriteProfile(_) => "write profile",
             Self::Bootloader => "enter bootloader",
             Self::MutePin(_) => "mute pin",
+            Self::ReadBoard => "board",
             Self::ReadClock => "clocks",
             Self::Refresh => "status",
             Self::AutoReconnect(_) => "reconnect switch",

@@ -10,6 +10,8 @@ pub mod step {
     pub const SUPPLY: &str = "supply";
     /// The mute pin.
     pub const MUTE: &str = "mute";
+    /// The time in which the mute pin goes low.
+    pub const MUTE_TIME: &str = "mute time";
     /// Codes of the DAC against those of the sensor's input, by a wire.
     pub const DAC_TO_ADC: &str = "DAC to ADC";
     /// Lag of the sensor's input behind the DAC, by a wire.
@@ -35,8 +37,8 @@ pub mod step {
     /// Faults on purpose.
     pub const FAULTS: &str = "faults";
     /// All of them.
-    pub const ALL: [&str; 15] = [
-        CLOCKS, SUPPLY, MUTE, DAC_TO_ADC, DELAY, NOISE, LOAD, CODES, TRIGGER, LINK, STORE, STALL, BUTTONS,
+    pub const ALL: [&str; 16] = [
+        CLOCKS, SUPPLY, MUTE, MUTE_TIME, DAC_TO_ADC, DELAY, NOISE, LOAD, CODES, TRIGGER, LINK, STORE, STALL, BUTTONS,
         BOOTLOADER, FAULTS,
     ];
 }
@@ -90,13 +92,19 @@ const fn between(low: f64, high: f64) -> (Option<f64>, Option<f64>) {
 
 const NONE: (Option<f64>, Option<f64>) = between(0.0, 0.0);
 
+const OTHER_CLOCK: &str = "The board's clock is not the one that the image expects.";
 const WIRE: &str = "Look at the wire from the DAC's pin to the sensor's, at ground, and at what else hangs on both.";
 const LAG: &str = "The input samples at another time than the device states: look at the filter on the wire.";
+const UNSAFE: &str = "The timer that mutes does not do what it must: do not connect an amplifier.";
 const QUIETER: &str = "Look at the reference's capacitor, at ground, and at the supply.";
 
 /// All limits.
 pub const LIMITS: &[Limit] = &[
-    red(step::CLOCKS, "rate error", between(-300.0, 300.0), "The board's clock is not the one that the image expects."),
+    red(step::CLOCKS, "rate error", between(-300.0, 300.0), "OTHER_CLOCK),
+    red(step::CLOCKS, "rate error in a short time", between(-3000.0, 3000.0), OTHER_CLOCK),
+    red(step::CLOCKS, "cycle error", between(-30.0, 30.0), OTHER_CLOCK),
+    red(step::CLOCKS, "error by USB frames", between(-500.0, 500.0), OTHER_CLOCK),
+    amber(step::CLOCKS, "error by USB frames", between(-100.0, 100.0), "The board's clock is less exact than a crystal: frequencies are off by the same share."),
     red(step::SUPPLY, "VREF+", between(2.9, 3.4), "Look at the board's supply and at the jumper of its reference."),
     amber(
         step::SUPPLY,
@@ -106,7 +114,10 @@ pub const LIMITS: &[Limit] = &[
     ),
     red(step::MUTE, "resistor missing", NONE, "Fit the resistor from the mute pin to ground."),
     red(step::MUTE, "pin high while muted", NONE, "Something holds the mute pin high: no amplifier may be connected."),
-    red(step::MUTE, "time to low", between(3.8, 4.2), "The timer that mutes does not keep its time: do not connect an amplifier."),
+    red(step::MUTE_TIME, "timer leaves it high", NONE, UNSAFE),
+    red(step::MUTE_TIME, "time to low", between(3.8, 4.2), UNSAFE),
+    red(step::MUTE_TIME, "break leaves it high", NONE, UNSAFE),
+    red(step::MUTE_TIME, "time to low by a break", between(0.0, 0.2), UNSAFE),
     red(step::DAC_TO_ADC, "slope", between(0.985, 1.015), WIRE),
     red(step::DAC_TO_ADC, "offset", between(-30.0, 30.0), WIRE),
     red(step::DAC_TO_ADC, "nonlinearity", between(0.0, 8.0), WIRE),
@@ -135,8 +146,13 @@ pub const LIMITS: &[Limit] = &[
     red(step::BUTTONS, "stop input not closed in time", NONE, "The stop input was not seen to close: look at its wires."),
 ];
 
-/// The limit of a number; `None` of one that is only reported.
+/// The limits of a number, the widest first; none of one that is only reported.
+pub fn of(step: &str, quantity: &str) -> impl Iterator<Item = &'static Limit> {
+    LIMITS.iter().filter(move |limit| limit.step == step && limit.quantity == quantity)
+}
+
+/// Whether a step has this name.
 #[must_use]
-pub fn of(step: &str, quantity: &str) -> Option<&'static Limit> {
-    LIMITS.iter().find(|limit| limit.step == step && limit.quantity == quantity)
+pub fn is_step(name: &str) -> bool {
+    step::ALL.contains(&name)
 }

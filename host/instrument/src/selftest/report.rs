@@ -1,6 +1,7 @@
 //! The report of a self-test: steps like lights, each with its numbers, their limits and a sentence.
 
 use super::limits::{self, Limit};
+use slipline_link::capitalized;
 use slipline_plate::quantity::number_format::significant;
 
 /// The result of a step.
@@ -51,7 +52,8 @@ pub struct Reading {
 impl Reading {
     /// A number with the limits of its step.
     pub(super) fn new(step: &str, quantity: &str, value: f64, unit: &str) -> Self {
-        let limit = limits::of(step, quantity);
+        // Of several limits the narrowest is shown.
+        let limit = limits::of(step, quantity).last();
         Self {
             quantity: quantity.to_owned(),
             value,
@@ -135,19 +137,24 @@ impl StepResult {
     /// The step judged by the limits of this program, whatever limits stand beside its numbers. A step that was skipped or failed
     /// without a number stays so.
     pub(super) fn judged_again(mut self) -> Self {
+        // The widest limit of each number that it exceeds.
         let broken: Vec<(&Reading, &Limit)> = self
             .readings
             .iter()
-            .filter_map(|reading| Some((reading, limits::of(&self.name, &reading.quantity)?)))
-            .filter(|(reading, limit)| !limit.allows(reading.value))
+            .filter_map(|reading| {
+                let mut limits = limits::of(&self.name, &reading.quantity);
+                Some((reading, limits.find(|limit| !limit.allows(reading.value))?))
+            })
             .collect();
         let Some(worst) = broken.iter().map(|(_, limit)| limit.beyond).max() else { return self };
         let sentences: Vec<String> = broken
             .iter()
             .map(|(reading, limit)| {
-                let of_limit = Reading::new(&self.name, &reading.quantity, reading.value, &reading.value_unit);
+                let of_limit =
+                    Reading { at_least: limit.at_least, at_most: limit.at_most, ..(*reading).clone() };
                 let allowed = of_limit.allowed().unwrap_or_default();
-                format!("{} is {}, allowed: {allowed}. {}", reading.quantity, reading.shown(), limit.remedy)
+                let quantity = capitalized(&reading.quantity);
+                format!("{quantity} is {}, allowed: {allowed}. {}", reading.shown(), limit.remedy)
             })
             .collect();
         let sentence = sentences.join(" ");

@@ -114,6 +114,12 @@ impl CommandQueue {
             Request::ArmFor(lease) => Job::Send(Command::ArmFor(in_ms(lease))),
             Request::Bench(lease) => Job::Send(Command::Bench(in_ms(lease))),
             Request::MutePin(trial) => Job::Send(Command::MutePin(MuteStep { trial })),
+            Request::ReadBoard => {
+                if self.channel.is_known(&Command::Inputs) {
+                    self.tasks.push_back(Task::new(None, Job::Send(Command::Inputs)));
+                }
+                Job::Send(Command::Board)
+            }
             Request::ReadClock => Job::Send(Command::Clock),
             Request::Disarm => {
                 self.overtake(recorder, |job| job.yields_to(&Command::Disarm));

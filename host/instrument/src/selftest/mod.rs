@@ -1,0 +1,28 @@
+//! A board on a desk proves itself: its clocks, supply, mute pin, converters, codes and link, by one procedure for every shell.
+//!
+//! ```text
+//! SelftestRequest --Selftesting--> steps on the bench --> StepResult: verdict, readings with limits, sentence
+//!                                  (the mute pin low)         |
+//!                 limits: what is allowed --------------------+--> SelftestReport --> line, judged again
+//! ```
+//! - `request.rs`: which wires are there, and what may be asked
+//! - `procedure.rs`: the order of the steps; `course.rs`: what they share
+//! - `at_rest.rs`: clocks, supply, mute pin, link; `wire.rs`, `noise.rs`: by a wire from the DAC to the sensor's input;
+//!   `drives.rs`: load, codes, trigger; `person.rs`: button, stop input, flash
+//! - `limits.rs`: every limit, and what to look at beyond it; `report.rs`: the results
+
+mod at_rest;
+mod course;
+mod drives;
+mod limits;
+mod noise;
+mod person;
+mod procedure;
+mod report;
+mod request;
+mod wire;
+
+pub use limits::{LIMITS, Limit, is_step, of, step};
+pub use procedure::Selftesting;
+pub use report::{Reading, SelftestReport, StepResult, Verdict};
+pub use request::{NoSuchWire, SelftestRequest, Wire};
