@@ -130,14 +130,19 @@ fn seed() -> u64 {
 
 /// The page of text.
 fn page(out: &mut dyn Write, report: &SelftestReport) -> io::Result<()> {
-    writeln!(out, "Board {}, unit {}, firmware {} ({})", report.board, report.unit, report.firmware, report.build)?;
+    writeln!(
+        out,
+        "Board {}, unit {}, firmware {} ({})",
+        report.board, report.unit, report.firmware, report.build
+    )?;
     let width = report.steps.iter().map(|step| step.name.len()).max().unwrap_or_default();
     for StepResult { name, verdict, readings, sentence } in
         report.steps.iter().filter(|step| step.verdict != Verdict::Skipped)
     {
         writeln!(out, "{:<7}  {name:<width$}  {sentence}", verdict.name())?;
         for reading in readings {
-            let allowed = reading.allowed().map_or(String::new(), |allowed| format!("  (allowed: {allowed})"));
+            let allowed =
+                reading.allowed().map_or(String::new(), |allowed| format!("  (allowed: {allowed})"));
             writeln!(out, "{:<7}  {:<width$}  {}: {}{allowed}", "", "", reading.quantity, reading.shown())?;
         }
     }

@@ -2,10 +2,10 @@
 
 use super::codes::Codes;
 use super::error::MeasureError;
-use super::setback::ended_by;
 use super::prompt::Prompt;
-use slipline_link::protocol::limits::LEASE_MS;
+use super::setback::ended_by;
 use slipline_link::protocol::event::State as DeviceState;
+use slipline_link::protocol::limits::LEASE_MS;
 use slipline_link::{DeviceTable, Outcome, Request, Snapshot};
 use std::cell::{RefCell, RefMut};
 use std::future::poll_fn;

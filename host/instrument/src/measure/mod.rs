@@ -39,8 +39,8 @@ pub use error::MeasureError;
 pub use measuring::Measuring;
 pub use plan::{Comb, LEVEL, POINTS, Plan, SETTLED, Wanted};
 pub use procedure::{NextStep, Procedure, Run};
-pub(crate) use remaining::remaining_samples;
 pub use prompt::Prompt;
+pub(crate) use remaining::remaining_samples;
 pub(crate) use setback::{ended_by, is_late};
 pub use signal::Signal;
 pub use sweep::{

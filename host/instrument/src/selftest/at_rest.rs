@@ -176,28 +176,40 @@ impl Course {
                 let ready = self.dialogue.arm(true).await?;
                 self.dialogue.past(ready).await?;
                 self.dialogue.done(Request::MutePin(trial)).await?;
-                fall = self.dialogue.seen(|snapshot| snapshot.device.mute_pin.and_then(|pin| pin.fall)).flatten();
+                fall = self
+                    .dialogue
+                    .seen(|snapshot| snapshot.device.mute_pin.and_then(|pin| pin.fall))
+                    .flatten();
                 if fall.is_none_or(|fall| fall.within_us <= DOUBT_US) {
                     break;
                 }
             }
-            let level = self.dialogue.seen(|snapshot| snapshot.device.mute_pin.map(|pin| pin.level)).flatten();
+            let level =
+                self.dialogue.seen(|snapshot| snapshot.device.mute_pin.map(|pin| pin.level)).flatten();
             if level != Some(PinLevel::High) {
                 self.dialogue.disarm().await?;
-                return Ok(StepResult::skipped(name, "The pin stays low where the device is armed: see the step mute."));
+                return Ok(StepResult::skipped(
+                    name,
+                    "The pin stays low where the device is armed: see the step mute.",
+                ));
             }
             readings.push(reading(name, silent, f64::from(u8::from(fall.is_none())), ""));
             let in_ms = fall.map(|fall| f64::from(fall.low_after_us) / 1000.0);
             readings.extend(in_ms.map(|ms| reading(name, late, ms, "ms")));
         }
         self.dialogue.disarm().await?;
-        Ok(StepResult::judged(name, readings, "The pin goes low by itself when no block comes, and at once by a break."))
+        Ok(StepResult::judged(
+            name,
+            readings,
+            "The pin goes low by itself when no block comes, and at once by a break.",
+        ))
     }
 
     /// How the link has done since the test began.
     pub(super) fn link(&self, damaged_before: u32) -> StepResult {
         let name = step::LINK;
-        let read = |snapshot: &Snapshot| (snapshot.link.round_trip, snapshot.link.counters, damaged(snapshot));
+        let read =
+            |snapshot: &Snapshot| (snapshot.link.round_trip, snapshot.link.counters, damaged(snapshot));
         let Some((round_trip, counters, damaged)) = self.dialogue.seen(read) else {
             return StepResult::skipped(name, "The link reports nothing.");
         };

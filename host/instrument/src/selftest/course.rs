@@ -10,7 +10,7 @@ use slipline_link::{
     CaptureRequest, Captured, CombRequest, DeviceTable, HarmonicRequest, Outcome, Request, Sounding,
 };
 use slipline_plate::truth::Random;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
 /// The sensor's input.
@@ -41,6 +41,8 @@ pub(super) struct Course {
     pub(super) random: RefCell<Random>,
     /// Why the device can no longer be driven.
     pub(super) obstacle: RefCell<Option<String>>,
+    /// The latched faults that a step has reported.
+    reported: Cell<Faults>,
 }
 
 impl Course {
@@ -58,7 +60,17 @@ impl Course {
         });
         let (rate_hz, most, linear, inputs) = read.flatten().ok_or(MeasureError::Lost)?;
         let random = RefCell::new(Random::new(request.seed));
-        Ok(Self { dialogue, request, rate_hz, most, linear, inputs, random, obstacle: RefCell::default() })
+        Ok(Self {
+            dialogue,
+            request,
+            rate_hz,
+            most,
+            linear,
+            inputs,
+            random,
+            obstacle: RefCell::default(),
+            reported: Cell::new(Faults::NONE),
+        })
     }
 
     pub(super) const fn samples(&self, time_s: f64) -> u64 {
@@ -114,14 +126,16 @@ impl Course {
         // What ended the step may be a fault that the latest status does not show yet.
         self.dialogue.done(Request::Refresh).await?;
         let faults = self.faults();
-        if !faults.is_empty() {
+        if faults != self.reported.replace(faults) {
             let sentence = format!("The device stopped: {faults}.");
             *self.obstacle.borrow_mut() = Some(format!("Not shown: {name} ended with a fault."));
             return Ok(StepResult::failed(name, sentence));
         }
         Ok(match done {
             Ok(result) => result,
-            Err(MeasureError::TooOld) => StepResult::skipped(name, "The device's firmware is older than protocol 1.3."),
+            Err(MeasureError::TooOld) => {
+                StepResult::skipped(name, "The device's firmware is older than protocol 1.3.")
+            }
             Err(error) => {
                 self.dialogue.stop().await?;
                 StepResult::failed(name, format!("It was not carried out: {error}."))

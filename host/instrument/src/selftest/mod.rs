@@ -22,7 +22,8 @@ mod report;
 mod request;
 mod wire;
 
-pub use limits::{LIMITS, Limit, is_step, of, step};
+pub use limits::of as limits_of;
+pub use limits::{LIMITS, Limit, is_step, step};
 pub use procedure::Selftesting;
 pub use report::{Reading, SelftestReport, StepResult, Verdict};
 pub use request::{NoSuchWire, SelftestRequest, Wire};

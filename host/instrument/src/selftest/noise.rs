@@ -89,10 +89,14 @@ impl Spectrum {
         let _ = forward.process(&mut codes, &mut lines);
         let power: Vec<f64> = lines.iter().map(|line| line.norm_sqr()).collect();
         let tone = power.get(harmonic).copied().unwrap_or_default();
-        let others = || power.iter().enumerate().skip(1).filter(|(at, _)| *at != harmonic).map(|(_, power)| *power);
+        let others =
+            || power.iter().enumerate().skip(1).filter(|(at, _)| *at != harmonic).map(|(_, power)| *power);
         let db = |share: f64| (10.0 * share.max(1e-30).log10()).clamp(-300.0, 300.0);
         let rest: f64 = others().sum();
-        Self { sinad_db: db(tone / rest.max(1e-30)), spur_db: db(others().fold(0.0, f64::max) / tone.max(1e-30)) }
+        Self {
+            sinad_db: db(tone / rest.max(1e-30)),
+            spur_db: db(others().fold(0.0, f64::max) / tone.max(1e-30)),
+        }
     }
 }
 

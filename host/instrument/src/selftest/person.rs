@@ -88,6 +88,9 @@ impl Course {
                 "The board keeps a profile of its actuator, which is not overwritten.",
             ));
         }
+        if button == UserButton::Pressed {
+            return Ok(StepResult::skipped(name, "The user button reads pressed while nobody presses it."));
+        }
         if !self.request.asks || button == UserButton::None {
             return Ok(StepResult::skipped(
                 name,
@@ -110,7 +113,11 @@ impl Course {
             reading(name, "profiles that differ", f64::from(differing), ""),
             reading(name, "longest write", longest_s, "s"),
         ];
-        Ok(StepResult::judged(name, readings, "A profile was written, read back and erased; not across a reset."))
+        Ok(StepResult::judged(
+            name,
+            readings,
+            "A profile was written, read back and erased; not across a reset.",
+        ))
     }
 
     /// The host's time at the latest status, seconds.

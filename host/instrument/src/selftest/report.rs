@@ -128,12 +128,6 @@ impl StepResult {
         Self { verdict: Verdict::Red, ..Self::skipped(name, why) }
     }
 
-    /// The same with numbers that are only reported.
-    pub(super) fn with(mut self, readings: impl IntoIterator<Item = Reading>) -> Self {
-        self.readings.extend(readings);
-        self
-    }
-
     /// The step judged by the limits of this program, whatever limits stand beside its numbers. A step that was skipped or failed
     /// without a number stays so.
     pub(super) fn judged_again(mut self) -> Self {

@@ -38,7 +38,8 @@ impl Course {
         let length = 1 << SWEEP_LOG2;
         let sent = self.dialogue.codes(captured.from, captured.values.len() as u64 * length).await?;
         self.dialogue.stop().await?;
-        let mean = |codes: &[u16]| codes.iter().map(|&code| f64::from(code)).sum::<f64>() / codes.len() as f64;
+        let mean =
+            |codes: &[u16]| codes.iter().map(|&code| f64::from(code)).sum::<f64>() / codes.len() as f64;
         let pairs: Vec<(f64, f64)> =
             sent.chunks(length as usize).map(|codes| mean(codes) - HALF).zip(captured.codes()).collect();
         let line = Line::through(&pairs, FITTED * HALF * self.linear.min(self.most));
@@ -140,7 +141,10 @@ mod tests {
 
     /// A slow sine of full scale, and what an input with this characteristic reads.
     fn pairs(reads: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
-        (0..2500).map(|n| 2047.0 * (TAU * f64::from(n) / 2500.0).sin()).map(|sent| (sent, reads(sent))).collect()
+        (0..2500)
+            .map(|n| 2047.0 * (TAU * f64::from(n) / 2500.0).sin())
+            .map(|sent| (sent, reads(sent)))
+            .collect()
     }
 
     #[test]
@@ -152,7 +156,10 @@ mod tests {
         assert!((4.0..8.0).contains(&bent.nonlinearity), "{bent:?}");
         // An output that saturates: its ends are found to a stretch of 64 codes.
         let clipped = Line::through(&pairs(|sent| sent.clamp(-1800.0, 1800.0)), 1700.0);
-        assert!((clipped.ends.1 - 1800.0).abs() <= 64.0 && (clipped.ends.0 + 1800.0).abs() <= 64.0, "{clipped:?}");
+        assert!(
+            (clipped.ends.1 - 1800.0).abs() <= 64.0 && (clipped.ends.0 + 1800.0).abs() <= 64.0,
+            "{clipped:?}"
+        );
         // A dead input has no slope.
         let dead = Line::through(&pairs(|_| -2048.0), 1700.0);
         assert_eq!((dead.slope, dead.nonlinearity), (0.0, 0.0));

@@ -179,19 +179,19 @@ impl Desk {
         self.line.0.lock().unwrap().device.now() as f64 / 400e3
     }
 
-    /// Runs a test to its end, or until this number of looks has passed: then `None`.
+    /// Runs a test to its end, or for this number of looks; returns whether it has ended. `each` is called at each look.
     pub(crate) fn run(
         &mut self,
         run: &mut Run<Selftesting>,
         looks: usize,
-        mut ended: impl FnMut(usize, &mut Run<Selftesting>),
+        mut each: impl FnMut(usize, &mut Run<Selftesting>),
     ) -> bool {
         for look in 0..looks {
             let snapshot = self.snapshot();
             if !run.turn(&snapshot, |request| self.send(request)) {
                 return true;
             }
-            ended(look, run);
+            each(look, run);
             let holds = matches!(run.prompt(), Some(Prompt::PressButton | Prompt::HoldButton));
             if self.obeys && run.prompt().is_some() {
                 self.line.0.lock().unwrap().device.press_button(holds);

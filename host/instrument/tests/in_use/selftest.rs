@@ -3,7 +3,7 @@
 use crate::desk::{Alter, Desk, FaultyWire, everything, wired};
 use slipline_instrument::measure::{MeasureError, Run};
 use slipline_instrument::selftest::{
-    LIMITS, Selftesting, SelftestReport, SelftestRequest, Verdict, Wire, is_step, step,
+    LIMITS, SelftestReport, SelftestRequest, Selftesting, Verdict, Wire, is_step, step,
 };
 use slipline_link::Request;
 use slipline_link::protocol::Event;
@@ -38,8 +38,7 @@ fn expect(report: &SelftestReport, red: &[&str], skipped: &[&str]) {
 fn a_good_board_passes_in_full_with_both_wires_and_the_mute_pin_stays_low() {
     let mut desk = Desk::new(good(), None);
     let began = desk.time_s();
-    let request =
-        SelftestRequest { is_short: false, is_amplifier_unplugged: false, ..everything() };
+    let request = SelftestRequest { is_short: false, is_amplifier_unplugged: false, ..everything() };
     let report = desk.test(request).unwrap();
     expect(&report, &[], &[step::MUTE_TIME]);
     assert_eq!(desk.unmuted(), 0, "a step that does not ask has unmuted the amplifier");
@@ -216,16 +215,7 @@ const CASES: &[Case] = &[
             desk
         },
         &[step::BUTTONS],
-        &[
-            step::MUTE_TIME,
-            DRIVEN[0],
-            DRIVEN[1],
-            DRIVEN[2],
-            DRIVEN[3],
-            DRIVEN[4],
-            DRIVEN[5],
-            step::STORE,
-        ],
+        &[step::MUTE_TIME, DRIVEN[0], DRIVEN[1], DRIVEN[2], DRIVEN[3], DRIVEN[4], DRIVEN[5], step::STORE],
     ),
 ];
 

@@ -2,7 +2,7 @@
 
 use crate::cli::schema::SCHEMA;
 use serde_json::{Map, Value};
-use slipline_instrument::selftest::{Reading, SelftestReport, StepResult, Verdict, of, step};
+use slipline_instrument::selftest::{Reading, SelftestReport, StepResult, Verdict, limits_of, step};
 
 /// The largest file that is read.
 pub(super) const BYTES_MAX: usize = 1 << 20;
@@ -74,7 +74,7 @@ fn read_step(fields: &Fields<'_>) -> Result<StepResult, String> {
     });
     let readings: Vec<Reading> = readings.collect::<Result<_, _>>()?;
     let name = fields.text("name")?;
-    let has_limit = |reading: &Reading| of(&name, &reading.quantity).next().is_some();
+    let has_limit = |reading: &Reading| limits_of(&name, &reading.quantity).next().is_some();
     if matches!(verdict, Verdict::Green | Verdict::Amber) && !readings.iter().any(has_limit) {
         return Err(format!("{} has no number by which the step is {word}", fields.place("readings")));
     }

@@ -28,7 +28,11 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
         "How much louder the chord is than the sum of its tones allows; null where it is none",
     ),
     ("clipped_samples", "", "Samples that were limited at the end of the DAC's range"),
-    ("codes_crc", "text", "CRC-32 over the digests of the compared codes, eight hexadecimal digits; null where none were compared"),
+    (
+        "codes_crc",
+        "text",
+        "CRC-32 over the digests of the compared codes, eight hexadecimal digits; null where none were compared",
+    ),
     ("date", "text", "When the test ended, in UTC"),
     ("passed", "true or false", "Whether no step is red"),
     ("verdict", "text", "green, amber, red, or skipped where the step is not shown"),

@@ -61,7 +61,10 @@ impl BoardTest {
                 let red = report.named(Verdict::Red).collect::<Vec<_>>().join(", ");
                 if red.is_empty() {
                     let shown = report.steps.iter().filter(|step| step.verdict != Verdict::Skipped).count();
-                    reach.out.post(format!("The board passes {shown} of {} steps; the others are not shown.", report.steps.len()));
+                    reach.out.post(format!(
+                        "The board passes {shown} of {} steps; the others are not shown.",
+                        report.steps.len()
+                    ));
                 } else {
                     reach.out.fail(format!("The board's self-test has red steps: {red}."));
                 }

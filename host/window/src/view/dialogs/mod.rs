@@ -119,7 +119,10 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
 
 /// Whether a page has much text, or a picture.
 const fn is_wide(dialog: &Dialog) -> bool {
-    matches!(dialog, Dialog::Calibrate | Dialog::Diagnostics | Dialog::PortHelp | Dialog::Scenes | Dialog::Selftest)
+    matches!(
+        dialog,
+        Dialog::Calibrate | Dialog::Diagnostics | Dialog::PortHelp | Dialog::Scenes | Dialog::Selftest
+    )
 }
 
 /// Width of the column of keys, in points.
