@@ -37,8 +37,8 @@ pub const EXAMPLES: &[(&str, &[&str])] = &[
     (
         "selftest",
         &[
-            "slipline selftest --port sim --wire dac=sensor --wire trigger=trigger-in --short --out report.json",
-            "slipline selftest --judge report.json",
+            "slipline selftest --port sim --wire dac=sensor --wire trigger=trigger-in --short --out test.json",
+            "slipline selftest --judge test.json",
         ],
     ),
     ("serve", &["slipline serve --socket slipline.sock --plate membrane"]),

@@ -194,10 +194,7 @@ impl Course {
         } else {
             self.dialogue.ask(request).await
         };
-        match outcome {
-            Outcome::Captured(captured) => Ok(captured),
-            other => Err(ended_by(&other)),
-        }
+        if let Outcome::Captured(captured) = outcome { Ok(captured) } else { Err(ended_by(&outcome)) }
     }
 }
 

@@ -69,10 +69,8 @@ impl Course {
             slots: 0b1111,
             input: SENSOR,
         };
-        let listened = match self.dialogue.ask(Request::Listen(listen)).await {
-            Outcome::Listened(listened) => listened,
-            other => return Err(ended_by(&other)),
-        };
+        let outcome = self.dialogue.ask(Request::Listen(listen)).await;
+        let Outcome::Listened(listened) = outcome else { return Err(ended_by(&outcome)) };
         self.dialogue.stop().await?;
         let name = step::DELAY;
         let mut readings = Vec::new();

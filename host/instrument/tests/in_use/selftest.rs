@@ -1,6 +1,8 @@
 //! The self-test on the simulated device: in full, in short, without wires, with each planted fault, and interrupted.
 
 use crate::desk::{Alter, Desk, FaultyWire, everything, wired};
+use crate::session::Session;
+use slipline_instrument::MeasureIntent;
 use slipline_instrument::measure::{MeasureError, Run};
 use slipline_instrument::selftest::{
     LIMITS, SelftestReport, SelftestRequest, Selftesting, Verdict, Wire, is_step, step,
@@ -294,4 +296,30 @@ fn every_limit_belongs_to_a_step_and_a_number_beyond_it_is_judged_by_it() {
         }
     }
     assert_eq!(report.clone().judged_again(), report);
+}
+
+#[test]
+fn the_instrument_tests_the_board_at_the_users_request_and_gives_its_table_back() {
+    let mut session = Session::driving();
+    let table = |session: &Session| session.instrument.drive.snapshot().table.report.active;
+    let before = table(&session);
+    let request = SelftestRequest { is_short: true, ..SelftestRequest::default() };
+    session.instrument.perform_measure(MeasureIntent::SelftestDraft(request));
+    session.instrument.perform_measure(MeasureIntent::Selftest);
+    session.pass(200);
+    assert!(session.is_measuring(), "{}", session.notice());
+    session.end_of_measuring();
+    assert_eq!(session.notice(), "The board passes 6 of 16 steps; the others are not shown.");
+    let shown = session.instrument.shown();
+    assert_eq!(named(shown.selftest.report.unwrap(), Verdict::Red), [""; 0]);
+    assert!(!session.is_driving() && table(&session) == before);
+    // STOP ends it.
+    session.instrument.perform_measure(MeasureIntent::Selftest);
+    session.pass(2000);
+    session.instrument.press_stop();
+    session.end_of_measuring();
+    assert_eq!(session.notice(), "The self-test was cancelled.");
+    session.pass(500);
+    assert_eq!(session.instrument.drive.snapshot().drive.status.unwrap().state, State::Idle);
+    assert_eq!(table(&session), before);
 }

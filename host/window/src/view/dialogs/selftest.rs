@@ -60,6 +60,8 @@ fn choices(ui: &mut egui::Ui, request: SelftestRequest, intents: &mut Intents) {
         .on_hover_text("For the time from a trigger to its drive");
     ui.checkbox(&mut wanted.is_amplifier_unplugged, "The amplifier is unplugged")
         .on_hover_text("One step then takes the mute pin high, to time how it falls");
+    ui.checkbox(&mut wanted.is_short, "In three seconds")
+        .on_hover_text("Fewer codes, and the clocks over that time alone");
     ui.checkbox(&mut wanted.asks, "Ask me to press the board's button")
         .on_hover_text("For the user button, the stop input and the flash");
     if wanted != request {
