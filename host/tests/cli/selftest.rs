@@ -34,7 +34,8 @@ fn step<'a>(report: &'a mut Value, name: &str) -> &'a mut Value {
 fn a_report_is_judged_offline_by_the_limits_of_the_program() {
     let (mut report, path) = report("report.json");
     for wired in ["DAC to ADC", "delay", "noise", "trigger", "codes", "load", "supply", "mute"] {
-        assert_eq!(step(&mut report, wired)["verdict"], "green", "{report}");
+        let step = step(&mut report, wired);
+        assert_eq!(step["verdict"], "green", "{step}");
     }
     assert_eq!(step(&mut report, "mute time")["verdict"], "skipped");
     // The clocks of a busy computer do not matter here.
