@@ -378,6 +378,7 @@ pub(super) const UNITS: &[(&str, &str)] = &[
     ("_per_m", "1/m"),
     ("_samples", "samples"),
     ("_db", "dB"),
+    ("_v", "V"),
     ("_hz", "Hz"),
     ("_s", "s"),
     ("_m", "m"),
