@@ -129,6 +129,25 @@ pub fn linear_output(analogue: &Analogue) -> String {
     format!("up to {} % of full scale", f64::from(analogue.linear_per_mille) / 10.0)
 }
 
+/// The caution that a drive's sum of tones is beyond the linear share of the DAC's output, both as shares of full scale.
+///
+/// ```
+/// use slipline_link::upkeep::beyond_linear;
+///
+/// let caution = beyond_linear(0.95, 0.88);
+/// assert!(caution.starts_with("The tones add up to 95 % of full scale, and the DAC's output is linear up to 88 %"));
+/// ```
+#[must_use]
+pub fn beyond_linear(sum: f64, share: f64) -> String {
+    format!(
+        "The tones add up to {:.0} % of full scale, and the DAC's output is linear up to {:.0} %: their peaks may be flattened, \
+         which adds tones that no one asked for. Lower the master level by {:.1} dB.",
+        100.0 * sum,
+        100.0 * share,
+        20.0 * (sum / share).log10()
+    )
+}
+
 /// The reference voltage within which DAC and ADC work as the boards' page says, in mV.
 pub const REFERENCE_MV: (u16, u16) = (2900, 3400);
 
