@@ -3,6 +3,7 @@
 use super::profile::{flash_with, plain};
 use proptest::prelude::*;
 use slipline_link::simulator::{MuteFault, Options, Wires};
+use slipline_link::{DriveRequest, Request, Sounding, ToneRequest};
 use slipline_protocol::board::{Analogue, ClockReport, MuteFall, MutePin, MuteStep, MuteTrial, PinLevel};
 use slipline_protocol::command::{Apply, ArmLease, Drive};
 use slipline_protocol::event::{Event, Fault, State, TriggerReport};
@@ -14,7 +15,9 @@ use slipline_protocol::{Command, Refusal};
 use slipline_tests::answer;
 use slipline_tests::client::Client;
 use slipline_tests::commands::every_command;
-use slipline_tests::rig::{BLOCK, MID, Rig, Table, drive};
+use slipline_tests::link_rig::LinkRig;
+use slipline_tests::rig::{MID, Rig, Table, drive};
+use std::time::Duration;
 
 /// A bench of a minute.
 const BENCH: Command = Command::Bench(ArmLease { lease_ms: 60_000 });
@@ -380,4 +383,47 @@ proptest! {
             prop_assert!(was_muted_throughout(&rig) || (was_armed && !is_on_bench));
         }
     }
+}
+
+#[test]
+fn the_hosts_link_takes_a_device_to_the_bench_and_tries_its_mute_pin() {
+    let mut rig = LinkRig::connected();
+    // A simulated device is armed unasked.
+    rig.ask_and_pass(Request::Disarm, 500);
+    assert_eq!(rig.view().device.analogue.map(|it| it.reference_mv), Some(3300));
+    rig.done(Request::Bench(Duration::from_secs(2)), 300);
+    assert_eq!(rig.state(), State::Armed);
+    rig.done(Request::MutePin(MuteTrial::Read), 300);
+    let low = MutePin { level: PinLevel::Low, is_on_bench: true, fall: None };
+    assert_eq!(rig.view().device.mute_pin, Some(low));
+    // Its lease is over.
+    rig.pass_ms(2500);
+    assert_eq!((rig.state(), rig.view().drive.leases_over), (State::Idle, 1));
+    rig.done(Request::Arm, 300);
+    rig.done(Request::MutePin(MuteTrial::Lapse), 300);
+    let pin = rig.view().device.mute_pin.unwrap();
+    assert_eq!((pin.level, pin.fall.map(|fall| fall.low_after_us)), (PinLevel::High, Some(4000)));
+    rig.pass_ms(500);
+    assert_eq!(rig.state(), State::Idle);
+    rig.done(Request::ReadClock, 300);
+    assert!(rig.view().device.clock.is_some_and(|clock| clock.at > 0));
+}
+
+#[test]
+fn a_drive_beyond_the_linear_share_is_cautioned_once_and_a_wrong_reference_at_the_start() {
+    let of = |reference_mv, linear_per_mille| {
+        let analogue = Analogue { reference_mv, linear_per_mille, ..Analogue::default() };
+        let mut rig = LinkRig::armed_as(Options { analogue, ..Options::default() });
+        for level in [0.5, 0.98, 0.97, 0.5] {
+            let tone = ToneRequest { slot: 0, boundary_m: 0.05, level, phase_turns: 0.0 };
+            rig.ask_and_pass(Request::Play(Sounding::Drive(DriveRequest::of(vec![tone]))), 400);
+        }
+        let log = &rig.view().record.log;
+        let count = |text: &str| log.iter().filter(|line| line.text.contains(text)).count();
+        (count("linear up to"), count("The reference voltage VREF+ is"))
+    };
+    // The table halves the level.
+    assert_eq!(of(3300, 400), (1, 0));
+    assert_eq!(of(2700, 1000), (0, 1));
+    assert_eq!(of(0, 1000), (0, 0));
 }

@@ -313,6 +313,14 @@ impl Snapshot {
             .then(|| f64::from(status.counters.max_cycles) / (f64::from(board.core_hz) * block_s))
     }
 
+    /// The share of full scale within which the DAC's output is linear, 0 to 1; 1 where the device does not report it: with a protocol
+    /// older than 1.3.
+    #[must_use]
+    pub fn linear_share(&self) -> f64 {
+        let reported = self.device.analogue.map_or(0, |it| it.linear_per_mille);
+        if (1..1000).contains(&reported) { f64::from(reported) / 1e3 } else { 1.0 }
+    }
+
     /// The travel limit with the lower resonance, of the session's and the profile's that the device enforces: it
     /// makes glides longer.
     pub(crate) fn slowest_limit(&self) -> Option<TravelLimit> {

@@ -108,6 +108,46 @@ pub const fn muted_for_good(board: &BoardReport) -> Option<&'static str> {
     }
 }
 
+/// The reference voltage VREF+, in words; `None` where the device has not measured it.
+///
+/// ```
+/// use slipline_link::protocol::board::Analogue;
+/// use slipline_link::upkeep::{linear_output, reference};
+///
+/// let analogue = Analogue { reference_mv: 3297, linear_per_mille: 880, ..Analogue::default() };
+/// assert_eq!(reference(&analogue).as_deref(), Some("3.30 V"));
+/// assert_eq!(linear_output(&analogue), "up to 88 % of full scale");
+/// ```
+#[must_use]
+pub fn reference(analogue: &Analogue) -> Option<String> {
+    (analogue.reference_mv > 0).then(|| format!("{:.2} V", f64::from(analogue.reference_mv) / 1e3))
+}
+
+/// The share of full scale within which the DAC's output is linear, in words.
+#[must_use]
+pub fn linear_output(analogue: &Analogue) -> String {
+    format!("up to {} % of full scale", f64::from(analogue.linear_per_mille) / 10.0)
+}
+
+/// The caution that a drive's sum of tones is beyond the linear share of the DAC's output, both as shares of full scale.
+///
+/// ```
+/// use slipline_link::upkeep::beyond_linear;
+///
+/// let caution = beyond_linear(0.95, 0.88);
+/// assert!(caution.starts_with("The tones add up to 95 % of full scale, and the DAC's output is linear up to 88 %"));
+/// ```
+#[must_use]
+pub fn beyond_linear(sum: f64, share: f64) -> String {
+    format!(
+        "The tones add up to {:.0} % of full scale, and the DAC's output is linear up to {:.0} %: their peaks may be flattened, \
+         which adds tones that no one asked for. Lower the master level by {:.1} dB.",
+        100.0 * sum,
+        100.0 * share,
+        20.0 * (sum / share).log10()
+    )
+}
+
 /// The reference voltage within which DAC and ADC work as the boards' page says, in mV.
 pub const REFERENCE_MV: (u16, u16) = (2900, 3400);
 
@@ -128,7 +168,7 @@ pub fn wrong_reference(analogue: &Analogue) -> Option<String> {
     is_wrong.then(|| {
         let [is, from, to] = [analogue.reference_mv, lowest, highest].map(|mv| f64::from(mv) / 1000.0);
         format!(
-            "The reference voltage VREF+ is {is:.2} V; allowed are {from} to {to} V. Every level and every measured code \
+            "The reference voltage VREF+ is {is:.2} V, not between {from} and {to} V. Every level and every measured code \
              is wrong by the same factor: check the board's supply (firmware/BOARDS.md)."
         )
     })

@@ -774,6 +774,8 @@ class Status(Result):
     heat: float | None
     """Estimated heat of the actuator, over its limit."""
     inputs: StatusInputs | None
+    linear_share: float | None
+    """Share of full scale within which the DAC's output is linear; None where it is not reported."""
     max_knots: int | None
     """Most knots of a table."""
     max_tones: int | None
@@ -792,6 +794,8 @@ class Status(Result):
     """Name of the actuator's profile; None if the device keeps none."""
     protocol: str | None
     """Version of the device's protocol."""
+    reference_v: float | None
+    """Reference voltage of DAC and ADC; None where it is not measured; V."""
     reset: str | None
     """Cause of the device's last reset."""
     round_trip_s: float | None
