@@ -97,24 +97,39 @@ struct Line {
 }
 
 impl Line {
-    /// The least squares of `(sent, received)` with `sent` within `fitted`, both in codes from mid-scale.
+    /// The least squares of `(sent, received)`, one period of a sine, with `sent` within `fitted`, both in codes from mid-scale.
     fn through(pairs: &[(f64, f64)], fitted: f64) -> Self {
-        let within = || pairs.iter().filter(|(sent, _)| sent.abs() <= fitted);
+        // A lag moves the sine along: the part a quarter of the period behind it is no fault of the characteristic.
+        let quarter = |at: usize| pairs[(at + pairs.len() / 4) % pairs.len()].0;
+        let within = || pairs.iter().enumerate().filter(|(_, (sent, _))| sent.abs() <= fitted);
         let count = (within().count() as f64).max(1.0);
-        let mean_sent = within().map(|(sent, _)| sent).sum::<f64>() / count;
-        let mean_received = within().map(|(_, received)| received).sum::<f64>() / count;
-        let (mut square, mut product) = (0.0, 0.0);
-        for (sent, received) in within() {
-            square += (sent - mean_sent) * (sent - mean_sent);
-            product += (sent - mean_sent) * (received - mean_received);
+        let [mut mean_sent, mut mean_late, mut mean_received] = [0.0; 3];
+        for (at, (sent, received)) in within() {
+            mean_sent += sent / count;
+            mean_late += quarter(at) / count;
+            mean_received += received / count;
         }
-        let slope = if square > 0.0 { product / square } else { 0.0 };
-        let offset = mean_received - slope * mean_sent;
+        let [mut ss, mut sl, mut ll, mut sr, mut lr] = [0.0; 5];
+        for (at, (sent, received)) in within() {
+            let (s, l, r) = (sent - mean_sent, quarter(at) - mean_late, received - mean_received);
+            ss += s * s;
+            sl += s * l;
+            ll += l * l;
+            sr += s * r;
+            lr += l * r;
+        }
+        let determinant = ss * ll - sl * sl;
+        let (slope, late) = if determinant > 0.0 {
+            ((sr * ll - lr * sl) / determinant, (lr * ss - sr * sl) / determinant)
+        } else {
+            (0.0, 0.0)
+        };
+        let offset = mean_received - slope * mean_sent - late * mean_late;
         let mut stretches = [(0.0, 0.0_f64); STRETCHES];
-        for (sent, received) in pairs {
+        for (place, (sent, received)) in pairs.iter().enumerate() {
             let at = ((sent / HALF + 1.0) / 2.0 * STRETCHES as f64) as usize;
             let (sum, count) = &mut stretches[at.min(STRETCHES - 1)];
-            *sum += received - slope * sent - offset;
+            *sum += received - slope * sent - late * quarter(place) - offset;
             *count += 1.0;
         }
         let width = 2.0 * HALF / STRETCHES as f64;
@@ -158,6 +173,11 @@ mod tests {
             (clipped.ends.1 - 1800.0).abs() <= 64.0 && (clipped.ends.0 + 1800.0).abs() <= 64.0,
             "{clipped:?}"
         );
+        // A lag of a sixth of a radian is no nonlinearity.
+        let late: Vec<(f64, f64)> =
+            (0..2500).map(|n| (pairs(|sent| sent)[n].0, pairs(|sent| sent)[(n + 2434) % 2500].0)).collect();
+        let late = Line::through(&late, 1700.0);
+        assert!(late.nonlinearity < 1e-6 && (late.slope - 0.9863).abs() < 1e-3, "{late:?}");
         // A dead input has no slope.
         let dead = Line::through(&pairs(|_| -2048.0), 1700.0);
         assert_eq!((dead.slope, dead.nonlinearity), (0.0, 0.0));

@@ -234,12 +234,20 @@ fn each_planted_fault_is_caught_by_its_own_step_and_no_other_verdict_is_wrong() 
     }
 }
 
+/// The looks that a short test takes.
+fn looks() -> f64 {
+    let mut looks = 0;
+    let mut desk = Desk::new(good(), None);
+    assert!(desk.run(&mut Run::of(Selftesting::new(everything())), 100_000, |look, _| looks = look));
+    looks as f64
+}
+
 #[test]
 fn a_stop_at_any_moment_leaves_the_board_muted_and_disarmed() {
-    let mut random = Random::new(4);
+    let (mut random, looks) = (Random::new(4), looks());
     for _ in 0..25 {
         let mut desk = Desk::new(good(), None);
-        let stopped_at = random.within(0.0, 2200.0) as usize;
+        let stopped_at = random.within(0.0, looks) as usize;
         let mut run = Run::of(Selftesting::new(everything()));
         let cancel = |look, run: &mut Run<Selftesting>| {
             if look == stopped_at {
@@ -248,7 +256,7 @@ fn a_stop_at_any_moment_leaves_the_board_muted_and_disarmed() {
         };
         assert!(desk.run(&mut run, 100_000, cancel));
         assert_eq!(run.finish(), Err(MeasureError::Cancelled), "{stopped_at}");
-        (0..100).for_each(|_| desk.pass());
+        (0..500).for_each(|_| desk.pass());
         let status = desk.snapshot().drive.status.unwrap();
         assert!(desk.is_muted() && status.state == State::Idle, "{stopped_at}: {status:?}");
     }
@@ -256,10 +264,10 @@ fn a_stop_at_any_moment_leaves_the_board_muted_and_disarmed() {
 
 #[test]
 fn a_host_that_is_killed_at_any_moment_leaves_the_board_muted_and_the_next_hello_is_normal() {
-    let mut random = Random::new(5);
+    let (mut random, looks) = (Random::new(5), looks());
     for _ in 0..25 {
         let mut desk = Desk::new(good(), None);
-        let killed_at = random.within(1.0, 2200.0) as usize;
+        let killed_at = random.within(1.0, looks) as usize;
         let mut run = Run::of(Selftesting::new(everything()));
         assert!(!desk.run(&mut run, killed_at, |_, _| ()));
         drop(run);
