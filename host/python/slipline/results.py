@@ -38,6 +38,9 @@ __all__ = [
     "ProfileTravel",
     "Result",
     "Results",
+    "Selftest",
+    "SelftestReading",
+    "SelftestStep",
     "Simulation",
     "SimulationFeeling",
     "SimulationTone",
@@ -688,6 +691,57 @@ class Verification(Result):
     equal: bool
     """Whether the codes of device and mirror are equal."""
     windows: Results[VerificationWindow]
+
+
+class SelftestReading(Result):
+    """One of ``readings`` of a result."""
+
+    at_least: float | None
+    """The lowest allowed number; None without such a limit; in ``value_unit``."""
+    at_most: float | None
+    """The highest allowed number; None without such a limit; in ``value_unit``."""
+    quantity: str
+    """What was measured."""
+    value: float
+    """The number; in ``value_unit``."""
+    value_unit: str
+    """Unit of ``value`` and of its limits; empty for a pure number or a count."""
+
+
+class SelftestStep(Result):
+    """One of ``steps`` of a result."""
+
+    _nested = {"readings": "SelftestReading"}
+
+    name: str
+    """Name."""
+    readings: Results[SelftestReading]
+    sentence: str
+    """What the result means; of a skipped step, what is missing."""
+    verdict: str
+    """green, amber, red, or skipped where the step is not shown."""
+
+
+class Selftest(Result):
+    """The report of a board's self-test."""
+
+    _nested = {"steps": "SelftestStep"}
+
+    board: str
+    """The board."""
+    build: str
+    """The firmware's build."""
+    codes_crc: str | None
+    """CRC-32 over the digests of the compared codes, eight hexadecimal digits; None where none were compared."""
+    firmware: str
+    """Version of the firmware."""
+    passed: bool
+    """Whether no step is red."""
+    simulated: bool
+    """Whether the device is simulated."""
+    steps: Results[SelftestStep]
+    unit: str
+    """Number of this device."""
 
 
 class StatusCounters(Result):

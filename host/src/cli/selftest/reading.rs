@@ -38,15 +38,11 @@ fn steps(fields: &Fields<'_>) -> Result<Vec<StepResult>, String> {
     let list = fields.list("steps", step::ALL.len())?;
     let steps = list.iter().enumerate().map(|(at, value)| {
         let fields = Fields::of(value, format!("steps[{at}]."))?;
-        let result = read_step(&fields)?;
-        match step::ALL.get(at) {
-            Some(wanted) if result.name == *wanted => Ok(result),
-            wanted => Err(format!(
-                "steps[{at}].name is {:?}, must be {:?}",
-                result.name,
-                wanted.copied().unwrap_or_default()
-            )),
+        let (name, wanted) = (fields.text("name")?, step::ALL.get(at).copied().unwrap_or_default());
+        if name != wanted {
+            return Err(format!("{} is {name:?}, must be {wanted:?}", fields.place("name")));
         }
+        read_step(name, &fields)
     });
     let steps: Vec<StepResult> = steps.collect::<Result<_, _>>()?;
     match step::ALL.get(steps.len()) {
@@ -55,7 +51,7 @@ fn steps(fields: &Fields<'_>) -> Result<Vec<StepResult>, String> {
     }
 }
 
-fn read_step(fields: &Fields<'_>) -> Result<StepResult, String> {
+fn read_step(name: String, fields: &Fields<'_>) -> Result<StepResult, String> {
     let word = fields.text("verdict")?;
     let verdict = Verdict::ALL.into_iter().find(|verdict| verdict.name() == word);
     let verdict = verdict.ok_or_else(|| {
@@ -73,7 +69,6 @@ fn read_step(fields: &Fields<'_>) -> Result<StepResult, String> {
         })
     });
     let readings: Vec<Reading> = readings.collect::<Result<_, _>>()?;
-    let name = fields.text("name")?;
     let has_limit = |reading: &Reading| limits_of(&name, &reading.quantity).next().is_some();
     if matches!(verdict, Verdict::Green | Verdict::Amber) && !readings.iter().any(has_limit) {
         return Err(format!("{} has no number by which the step is {word}", fields.place("readings")));
