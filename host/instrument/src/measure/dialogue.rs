@@ -45,8 +45,9 @@ pub(super) struct State {
     pub(super) bears_faults: bool,
     /// What a person is asked to do.
     pub(super) prompt: Option<Prompt>,
-    /// The link's latest snapshot, of a procedure that looks at it.
+    /// The link's latest snapshot, of a procedure that looks at it, and the slowest answer in one of them.
     seen: Option<Snapshot>,
+    slowest: Duration,
 }
 
 /// Progress of a procedure, in samples.
@@ -147,6 +148,11 @@ impl Dialogue {
         self.0.borrow().seen.as_ref().map(read)
     }
 
+    /// The slowest answer that was seen since [`bear_faults`](Self::bear_faults).
+    pub(crate) fn slowest(&self) -> Duration {
+        self.0.borrow().slowest
+    }
+
     /// Uploads another table, which is replaced by the device's own at the end; returns the sample index from
     /// which it is in force.
     pub(crate) async fn lend(
@@ -218,6 +224,7 @@ impl Dialogue {
         }
         state.now = snapshot.drive.status.map_or(state.now, |status| status.now);
         if state.bears_faults {
+            state.slowest = state.slowest.max(snapshot.link.round_trip.last);
             state.seen = Some(snapshot.clone());
         }
     }

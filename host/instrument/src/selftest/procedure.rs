@@ -1,6 +1,6 @@
 //! The order of the steps.
 
-use super::at_rest::damaged;
+use super::at_rest::LinkRecord;
 use super::course::Course;
 use super::limits::step;
 use super::report::{SelftestReport, StepResult};
@@ -63,7 +63,7 @@ impl Course {
         let dialogue = &course.dialogue;
         dialogue.disarm().await?;
         let since = course.moment().await?;
-        let damaged_before = dialogue.seen(damaged).unwrap_or_default();
+        let link_before = dialogue.seen(LinkRecord::of).unwrap_or_default();
         let board = course.board_or_none().await?;
         if board.user_button == UserButton::Pressed {
             let why = "The user button reads pressed, so the device cannot be armed.";
@@ -108,11 +108,12 @@ impl Course {
         } else {
             StepResult::skipped(step::MUTE_TIME, PLUGGED)
         };
+        // Before the flash is written, which takes up to five seconds.
+        let link = course.link(&link_before);
         course.mark(11);
         let store = course.step(step::STORE, course.store(board.user_button)).await?;
         let buttons = course.step(step::BUTTONS, course.buttons(&board)).await?;
         course.mark(13);
-        let link = course.link(damaged_before);
         let clocks = course.step(step::CLOCKS, course.clocks(since)).await?;
         course.mark(16);
         let steps = vec![

@@ -27,6 +27,7 @@ struct Board {
     device: SimulatedDevice,
     /// Blocks that were played with the amplifier on.
     unmuted: u64,
+    is_plugged: bool,
     alter: Option<Alter>,
     decoder: Decoder,
 }
@@ -38,6 +39,9 @@ struct Line(Arc<Mutex<Board>>);
 impl Transport for Line {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let board = &mut *self.0.lock().unwrap();
+        if !board.is_plugged {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
         let mut bytes = Vec::new();
         board.device.take(&mut bytes);
         if let Some(alter) = &mut board.alter {
@@ -52,7 +56,11 @@ impl Transport for Line {
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.lock().unwrap().device.feed(bytes);
+        let board = &mut *self.0.lock().unwrap();
+        if !board.is_plugged {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
+        board.device.feed(bytes);
         Ok(bytes.len())
     }
 }
@@ -99,7 +107,7 @@ pub(crate) struct Desk {
 impl Desk {
     /// A connected board.
     pub(crate) fn new(device: SimulatedDevice, alter: Option<Alter>) -> Self {
-        let board = Board { device, unmuted: 0, alter, decoder: Decoder::new() };
+        let board = Board { device, unmuted: 0, is_plugged: true, alter, decoder: Decoder::new() };
         let line = Line(Arc::new(Mutex::new(board)));
         let connection = Self::connection(&line, 0);
         let mut desk = Self {
@@ -165,6 +173,11 @@ impl Desk {
         board.device.advance(due, |block| *unmuted += u64::from(!block.muted));
     }
 
+    /// Pulls the cable, or plugs it in.
+    pub(crate) fn plug(&self, is_plugged: bool) {
+        self.line.0.lock().unwrap().is_plugged = is_plugged;
+    }
+
     /// Blocks that were played with the amplifier on.
     pub(crate) fn unmuted(&self) -> u64 {
         self.line.0.lock().unwrap().unmuted
@@ -215,6 +228,8 @@ pub(crate) struct FaultyWire {
     pub(crate) noise: f64,
     /// Whole blocks by which it is late.
     pub(crate) late_blocks: usize,
+    /// The codes from mid-scale at which the DAC saturates.
+    pub(crate) ends: f64,
     /// The code that the input always reads.
     pub(crate) stuck: Option<u16>,
     blocks: VecDeque<[u16; 128]>,
@@ -223,7 +238,14 @@ pub(crate) struct FaultyWire {
 
 impl FaultyWire {
     pub(crate) const fn good() -> Self {
-        Self { noise: 0.4, late_blocks: 0, stuck: None, blocks: VecDeque::new(), random: Random::new(7) }
+        Self {
+            noise: 0.4,
+            late_blocks: 0,
+            ends: 2048.0,
+            stuck: None,
+            blocks: VecDeque::new(),
+            random: Random::new(7),
+        }
     }
 }
 
@@ -241,7 +263,8 @@ impl SimulatedInputs for FaultyWire {
         let late = if self.blocks.len() > self.late_blocks { self.blocks.pop_front() } else { None };
         let sent = late.unwrap_or([2048; 128]);
         for (read, code) in sensed[0].iter_mut().zip(sent) {
-            let code = f64::from(code) + self.noise * self.random.normal();
+            let code = 2048.0 + (f64::from(code) - 2048.0).clamp(-self.ends, self.ends);
+            let code = code + self.noise * self.random.normal();
             *read = self.stuck.unwrap_or(code.round().clamp(0.0, 4095.0) as u16);
         }
     }

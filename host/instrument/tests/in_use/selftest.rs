@@ -284,6 +284,42 @@ fn a_host_that_is_killed_at_any_moment_leaves_the_board_muted_and_the_next_hello
 }
 
 #[test]
+fn a_cable_that_is_pulled_at_any_moment_ends_the_test_and_the_board_is_muted() {
+    let (mut random, looks) = (Random::new(6), looks());
+    for _ in 0..10 {
+        let mut desk = Desk::new(good(), None);
+        let pulled_at = random.within(1.0, looks) as usize;
+        let mut run = Run::of(Selftesting::new(everything()));
+        assert!(!desk.run(&mut run, pulled_at, |_, _| ()));
+        desk.plug(false);
+        assert!(desk.run(&mut run, 100_000, |_, _| ()));
+        assert_eq!(run.finish(), Err(MeasureError::Lost), "{pulled_at}");
+        (0..1200).for_each(|_| desk.pass_alone());
+        assert!(desk.is_muted(), "{pulled_at}");
+        desk.plug(true);
+        desk.connect_again();
+        let status = desk.snapshot().drive.status.unwrap();
+        assert!(matches!(status.state, State::Idle | State::Fault), "{pulled_at}: {status:?}");
+    }
+}
+
+#[test]
+fn a_board_whose_dac_saturates_where_it_states_passes_and_its_ends_are_reported() {
+    let mut desk = Desk::new(with(|options| options.analogue.linear_per_mille = 880), None);
+    let report = desk.test(everything()).unwrap();
+    expect(&report, &[], &[]);
+    let dac = report.steps.iter().find(|result| result.name == step::DAC_TO_ADC).unwrap();
+    for (quantity, code) in [("lowest linear code", 246.0), ("highest linear code", 3850.0)] {
+        let reading = dac.readings.iter().find(|reading| reading.quantity == quantity).unwrap();
+        assert!((reading.value - code).abs() <= 64.0, "{reading:?}");
+    }
+    // One that saturates earlier than it states does not.
+    let early = FaultyWire { ends: 1500.0, ..FaultyWire::good() };
+    let report = Desk::new(wired(Options::default(), early), None).test(everything()).unwrap();
+    assert_eq!(named(&report, Verdict::Red), [step::DAC_TO_ADC]);
+}
+
+#[test]
 fn every_limit_belongs_to_a_step_and_a_number_beyond_it_is_judged_by_it() {
     let report = Desk::new(good(), None).test(everything()).unwrap();
     for limit in LIMITS {
