@@ -392,7 +392,7 @@ fn the_hosts_link_takes_a_device_to_the_bench_and_tries_its_mute_pin() {
     // A simulated device is armed unasked.
     rig.ask_and_pass(Request::Disarm, 500);
     assert_eq!(rig.view().device.analogue.map(|it| it.reference_mv), Some(3300));
-    rig.done(Request::Bench(Duration::from_secs(2)), 300);
+    rig.done(Request::Bench(Duration::from_millis(2050)), 300);
     assert_eq!(rig.state(), State::Armed);
     rig.done(Request::MutePin(MuteTrial::Read), 300);
     let low = MutePin { level: PinLevel::Low, is_on_bench: true, fall: None };
