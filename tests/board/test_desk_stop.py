@@ -192,7 +192,7 @@ def test_the_stop_input_mutes_by_hardware_whatever_the_core_does(rig):
 
 
 def test_the_stop_input_ends_a_drive_on_the_bench(rig):
-    """The timer's output is off all the time: the break's flag alone tells. An input that was open before is forgotten."""
+    """The timer's output is off all the time: only the break's flag shows it. An input that was open before does not count."""
     fitted(rig)
     rig.host.upload()
     rig.board.pins.drive(rig.facts.stop_input, None)

@@ -347,7 +347,7 @@ fn leakage_db(blocks: u16, tenths: i32) -> f64 {
 #[test]
 fn a_hann_window_of_blocks_leaks_where_two_tones_differ_by_the_block_rate() {
     // The figures of shared/PROTOCOL.md, "What the inputs measure": at its worst, and more than two bins away.
-    for (blocks, worst_db, away_db) in [(20, -31.3, -49.0), (200, -51.6, -69.0)] {
+    for (blocks, worst_db, away_db) in [(20, -31.3, -47.0), (200, -51.6, -69.0)] {
         let worst = leakage_db(blocks, -8);
         assert!((worst - worst_db).abs() < 0.5, "{blocks} blocks: {worst} dB");
         for tenths in [-25, 25] {

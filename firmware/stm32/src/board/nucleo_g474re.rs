@@ -319,7 +319,8 @@ pub(crate) const BROWN_OUT_LEVEL: u8 = 4;
 /// The chip's device id and its revision (DBGMCU_IDCODE, RM0440 47.6.1).
 pub(crate) fn chip() -> (u16, u16) {
     let identity = pac::DBGMCU.idcode().read();
-    (identity.dev_id(), identity.rev_id())
+    // 12 bits; stm32-metapac 21 has 16 of them.
+    (identity.dev_id() & 0xfff, identity.rev_id())
 }
 
 /// The buffered DAC is linear from 0.2 V to VREF+ - 0.2 V (DS12288, DAC characteristics): 1.45 V of the half swing of 1.65 V.
