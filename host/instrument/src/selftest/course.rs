@@ -3,7 +3,7 @@
 use super::limits;
 use super::report::{Reading, StepResult};
 use super::request::SelftestRequest;
-use crate::measure::{Dialogue, MeasureError, ended_by};
+use crate::measure::{Dialogue, MeasureError, ended_by, is_late};
 use slipline_link::protocol::event::Faults;
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{
@@ -17,6 +17,8 @@ use std::sync::Arc;
 pub(super) const SENSOR: u8 = 0;
 /// Time from a request to the sample at which it acts, seconds, over the slowest link.
 pub(super) const AHEAD_S: f64 = 0.1;
+/// Attempts at a request that arrives after the sample at which it acts.
+pub(super) const TRIES: u32 = 4;
 /// Time after a stop by which the replay knows that the device is silent, seconds.
 const SILENT_S: f64 = 0.3;
 /// Time in which a comb has risen, seconds.
@@ -170,30 +172,45 @@ impl Course {
         Ok(at + self.samples(RISEN_S))
     }
 
-    /// A block's first sample that is not before `earliest` and so far ahead that a request for it is in time.
-    pub(super) async fn ahead(&self, earliest: u64) -> Result<u64, MeasureError> {
-        self.dialogue.done(Request::Refresh).await?;
-        let from = earliest.max(self.dialogue.now() + self.samples(AHEAD_S));
-        Ok(from.next_multiple_of(slipline_link::BLOCK as u64))
+    /// Asks for what begins at a block's first sample, not before `earliest`. A request that arrives after it is repeated, farther
+    /// ahead. `samples`: with requests as fast as the device answers them, until so many later.
+    pub(super) async fn in_time(
+        &self,
+        earliest: u64,
+        samples: Option<u64>,
+        request: impl Fn(u64) -> Request,
+    ) -> Result<Outcome, MeasureError> {
+        let mut tries = 1;
+        loop {
+            self.dialogue.done(Request::Refresh).await?;
+            let from = earliest.max(self.dialogue.now() + self.samples(f64::from(tries) * AHEAD_S));
+            let from = from.next_multiple_of(slipline_link::BLOCK as u64);
+            let outcome = if let Some(samples) = samples {
+                self.dialogue.begin(request(from));
+                let end = from + samples + self.samples(KEPT_S);
+                self.dialogue.ended(end).await?.ok_or(MeasureError::Unknown)?
+            } else {
+                self.dialogue.ask(request(from)).await
+            };
+            if !is_late(&outcome) || tries == TRIES {
+                return Ok(outcome);
+            }
+            tries += 1;
+        }
     }
 
-    /// Captures the sensor's input from a sample on. `is_busy`: with requests as fast as the device answers them meanwhile.
+    /// Captures the sensor's input, not before a sample. `is_busy`: with requests as fast as the device answers them meanwhile.
     pub(super) async fn capture(
         &self,
-        from: u64,
+        earliest: u64,
         log2_codes: u8,
         values: u16,
         is_busy: bool,
     ) -> Result<Arc<Captured>, MeasureError> {
+        let samples = is_busy.then_some(u64::from(values) << log2_codes);
         let request =
-            Request::Capture(CaptureRequest { from: Some(from), input: SENSOR, log2_codes, values });
-        let outcome = if is_busy {
-            self.dialogue.begin(request);
-            let end = from + (u64::from(values) << log2_codes) + self.samples(KEPT_S);
-            self.dialogue.ended(end).await?.ok_or(MeasureError::Unknown)?
-        } else {
-            self.dialogue.ask(request).await
-        };
+            |from| Request::Capture(CaptureRequest { from: Some(from), input: SENSOR, log2_codes, values });
+        let outcome = self.in_time(earliest, samples, request).await?;
         if let Outcome::Captured(captured) = outcome { Ok(captured) } else { Err(ended_by(&outcome)) }
     }
 }

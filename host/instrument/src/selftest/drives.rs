@@ -1,9 +1,9 @@
 //! Steps by drives on the bench: load, codes, and trigger output to trigger input.
 
-use super::course::{AHEAD_S, Course, SENSOR, SPAN_M, reading};
+use super::course::{AHEAD_S, Course, SENSOR, SPAN_M, TRIES, reading};
 use super::limits::step;
 use super::report::StepResult;
-use crate::measure::{MeasureError, ended_by};
+use crate::measure::{MeasureError, ended_by, is_late};
 use slipline_link::protocol::command::{Apply, DigestWindow};
 use slipline_link::protocol::frame::CRC;
 use slipline_link::protocol::limits::MAX_TONES;
@@ -115,9 +115,31 @@ impl Course {
 
     /// The digests of device and mirror over a window with random drives in it.
     async fn window(&self, window_s: f64) -> Result<(u32, u32), MeasureError> {
+        let mut tries = 1;
+        loop {
+            let (window, outcome) = self.driven_window(window_s, f64::from(tries) * AHEAD_S).await?;
+            if is_late(&outcome) && tries < TRIES {
+                tries += 1;
+                continue;
+            }
+            let Outcome::Digest(digest) = outcome else { return Err(ended_by(&outcome)) };
+            let mut mirror = CRC.digest();
+            for code in self.dialogue.codes(window.from, window.count.into()).await? {
+                mirror.update(&code.to_le_bytes());
+            }
+            return Ok((digest.crc.ok_or(MeasureError::NoDigest)?, mirror.finalize()));
+        }
+    }
+
+    /// Orders the digest of a window, and plays random drives in it.
+    async fn driven_window(
+        &self,
+        window_s: f64,
+        ahead_s: f64,
+    ) -> Result<(DigestWindow, Outcome), MeasureError> {
         self.dialogue.done(Request::Refresh).await?;
         let window = DigestWindow {
-            from: self.dialogue.now() + self.samples(AHEAD_S),
+            from: self.dialogue.now() + self.samples(ahead_s),
             count: self.samples(window_s) as u32,
         };
         self.dialogue.begin(Request::Digest(window));
@@ -129,16 +151,8 @@ impl Course {
             self.play(self.random_drive(count, glide_s)).await?;
         }
         let end = window.from + u64::from(window.count);
-        let digest = match self.dialogue.ended(end + self.samples(BEHIND_S)).await? {
-            Some(Outcome::Digest(digest)) => digest.crc.ok_or(MeasureError::NoDigest)?,
-            Some(outcome) => return Err(ended_by(&outcome)),
-            None => return Err(MeasureError::NoDigest),
-        };
-        let mut mirror = CRC.digest();
-        for code in self.dialogue.codes(window.from, window.count.into()).await? {
-            mirror.update(&code.to_le_bytes());
-        }
-        Ok((digest, mirror.finalize()))
+        let outcome = self.dialogue.ended(end + self.samples(BEHIND_S)).await?;
+        Ok((window, outcome.ok_or(MeasureError::NoDigest)?))
     }
 
     /// Begins a drive by the device's own trigger output, which rises on the bench where a drive begins to wait.

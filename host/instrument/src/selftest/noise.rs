@@ -41,21 +41,18 @@ impl Course {
         let blocks = if self.request.is_short { SHORT_BLOCKS } else { BLOCKS };
         let count = blocks * slipline_link::BLOCK as u16;
         self.dialogue.stop().await?;
-        let from = self.ahead(self.dialogue.now()).await?;
-        let silent: Vec<f64> = self.capture(from, 0, count, false).await?.codes().collect();
+        let silent: Vec<f64> = self.capture(self.dialogue.now(), 0, count, false).await?.codes().collect();
         let mut readings = vec![reading(name, "noise at mid-scale", deviation(&silent), "codes")];
         for tone in TONES {
             let base_hz = self.rate_hz / f64::from(count);
             let harmonic = (tone.hz / base_hz).round() as u16;
             let risen = self.comb(blocks, [(harmonic, self.clean())]).await?;
-            let from = self.ahead(risen).await?;
-            let quiet = self.capture(from, 0, count, false).await?;
+            let quiet = self.capture(risen, 0, count, false).await?;
             let spectrum = Spectrum::of(quiet.codes().collect(), harmonic.into());
             readings.push(reading(name, tone.sinad, spectrum.sinad_db, "dB"));
             readings.push(reading(name, tone.spur, spectrum.spur_db, "dB"));
             if let Some(change) = tone.change {
-                let from = self.ahead(risen).await?;
-                let busy = self.capture(from, 0, count, true).await?;
+                let busy = self.capture(risen, 0, count, true).await?;
                 let busy = Spectrum::of(busy.codes().collect(), harmonic.into());
                 readings.push(reading(name, change, busy.sinad_db - spectrum.sinad_db, "dB"));
             }
