@@ -71,21 +71,21 @@ fn a_broken_report_is_refused_with_its_field() {
         refused(&["selftest", "--judge", &path], 2, wanted);
     };
     refuses("{", &["broken.json: it is not JSON"]);
-    refuses("[]", &["the report must be an object"]);
+    refuses("[]", &["the report: must be an object"]);
     for (place, value, wanted) in [
-        ("/schema", json!(0), "schema is 0, must be 1"),
-        ("/unit", json!(7), "unit must be a text"),
-        ("/simulated", json!("no"), "simulated must be true or false"),
-        ("/steps", json!({}), "steps must be a list of up to 16 entries"),
+        ("/schema", json!(0), "schema = 0: must be 1, that of this version"),
+        ("/unit", json!(7), "unit: must be a text"),
+        ("/simulated", json!("no"), "simulated: must be true or false"),
+        ("/steps", json!({}), "steps: must be a list of up to 16 entries"),
         ("/steps", json!([]), "steps has no step \"clocks\""),
-        ("/steps/1/name", json!("suply"), "steps[1].name is \"suply\", must be \"supply\""),
+        ("/steps/1/name", json!("suply"), "steps[1].name = \"suply\": must be \"supply\""),
         (
             "/steps/1/verdict",
             json!("blue"),
-            "steps[1].verdict is \"blue\", must be skipped, green, amber or red",
+            "steps[1].verdict = \"blue\": must be skipped, green, amber or red",
         ),
-        ("/steps/1/readings/0/value", json!("3.3"), "steps[1].readings[0].value must be a number"),
-        ("/steps/1/readings/0/at_most", json!("3.4"), "steps[1].readings[0].at_most must be a number"),
+        ("/steps/1/readings/0/value", json!("3.3"), "steps[1].readings[0].value: must be a number"),
+        ("/steps/1/readings/0/at_most", json!("3.4"), "steps[1].readings[0].at_most: must be a number"),
         ("/steps/1/readings", json!([]), "steps[1].readings has no number by which the step is green"),
     ] {
         let mut broken = good.clone();

@@ -1,6 +1,6 @@
 //! The limits of a self-test's numbers, each with what to look at where it is exceeded. Numbers without a limit are reported only.
 
-use super::report::Verdict;
+use super::verdict::Verdict;
 
 /// The steps, in the order of the report.
 pub mod step {

@@ -5,6 +5,7 @@ use super::course::Course;
 use super::limits::step;
 use super::report::{SelftestReport, StepResult};
 use super::request::SelftestRequest;
+use super::verdict::Verdict;
 use crate::measure::{Dialogue, MeasureError, Procedure};
 use slipline_link::protocol::board::{BoardReport, PinLevel, UserButton};
 use slipline_link::{Request, Snapshot};
@@ -147,7 +148,7 @@ impl Course {
             return Ok(names.map(|name| StepResult::skipped(name, NO_SENSOR_WIRE)));
         }
         let dac_to_adc = self.driven(step::DAC_TO_ADC, self.dac_to_adc()).await?;
-        if dac_to_adc.verdict > super::Verdict::Amber {
+        if dac_to_adc.verdict > Verdict::Amber {
             let why = "Not shown: the DAC's codes do not arrive at the sensor's input.";
             let [_, delay, noise] = names;
             return Ok([dac_to_adc, StepResult::skipped(delay, why), StepResult::skipped(noise, why)]);

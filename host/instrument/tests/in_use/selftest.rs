@@ -66,7 +66,7 @@ fn a_short_test_takes_three_seconds_and_gives_the_same_verdicts() {
 }
 
 #[test]
-fn what_is_not_wired_and_nobody_presses_is_skipped_and_never_green() {
+fn steps_without_their_wire_or_their_person_are_skipped_and_never_green() {
     let mut desk = Desk::new(SimulatedDevice::new(Options::default()), None);
     let report = desk.test(SelftestRequest { is_short: true, ..SelftestRequest::default() }).unwrap();
     let skipped = [

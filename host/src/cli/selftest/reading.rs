@@ -3,6 +3,7 @@
 use crate::cli::schema::SCHEMA;
 use serde_json::{Map, Value};
 use slipline_instrument::selftest::{Reading, SelftestReport, StepResult, Verdict, limits_of, step};
+use slipline_plate::quantity::must_be;
 
 /// The largest file that is read.
 pub(super) const BYTES_MAX: usize = 1 << 20;
@@ -19,14 +20,15 @@ pub(super) fn report(text: &str) -> Result<(SelftestReport, String), String> {
     let fields = Fields::of(&value, String::new())?;
     let schema = fields.number("schema")?;
     if schema != f64::from(SCHEMA) {
-        return Err(format!("schema is {schema}, must be {SCHEMA}: another version of slipline wrote it"));
+        let allowed = format_args!("{SCHEMA}, that of this version of slipline");
+        return Err(must_be(format_args!("schema = {schema}"), allowed));
     }
     let report = SelftestReport {
         board: fields.text("board")?,
         unit: fields.text("unit")?,
         firmware: fields.text("firmware")?,
         build: fields.text("build")?,
-        simulated: fields.get("simulated")?.as_bool().ok_or("simulated must be true or false")?,
+        simulated: fields.get("simulated")?.as_bool().ok_or_else(|| must_be("simulated", "true or false"))?,
         codes_crc: fields.or_null("codes_crc", Fields::text)?,
         steps: steps(&fields)?,
     };
@@ -40,7 +42,8 @@ fn steps(fields: &Fields<'_>) -> Result<Vec<StepResult>, String> {
         let fields = Fields::of(value, format!("steps[{at}]."))?;
         let (name, wanted) = (fields.text("name")?, step::ALL.get(at).copied().unwrap_or_default());
         if name != wanted {
-            return Err(format!("{} is {name:?}, must be {wanted:?}", fields.place("name")));
+            let given = format_args!("{} = {name:?}", fields.place("name"));
+            return Err(must_be(given, format_args!("{wanted:?}")));
         }
         read_step(name, &fields)
     });
@@ -55,7 +58,8 @@ fn read_step(name: String, fields: &Fields<'_>) -> Result<StepResult, String> {
     let word = fields.text("verdict")?;
     let verdict = Verdict::ALL.into_iter().find(|verdict| verdict.name() == word);
     let verdict = verdict.ok_or_else(|| {
-        format!("{} is {word:?}, must be skipped, green, amber or red", fields.place("verdict"))
+        let given = format_args!("{} = {word:?}", fields.place("verdict"));
+        must_be(given, "skipped, green, amber or red")
     })?;
     let list = fields.list("readings", READINGS_MAX)?;
     let readings = list.iter().enumerate().map(|(at, value)| {
@@ -86,7 +90,7 @@ impl<'a> Fields<'a> {
     fn of(value: &'a Value, before: String) -> Result<Self, String> {
         let what = before.trim_end_matches('.');
         let what = if what.is_empty() { "the report" } else { what };
-        let fields = value.as_object().ok_or_else(|| format!("{what} must be an object"))?;
+        let fields = value.as_object().ok_or_else(|| must_be(what, "an object"))?;
         Ok(Self { fields, before })
     }
 
@@ -101,17 +105,17 @@ impl<'a> Fields<'a> {
     fn text(&self, name: &str) -> Result<String, String> {
         let text = self.get(name)?.as_str().filter(|text| text.chars().count() <= LETTERS_MAX);
         text.map(str::to_owned)
-            .ok_or_else(|| format!("{} must be a text of up to {LETTERS_MAX} letters", self.place(name)))
+            .ok_or_else(|| must_be(self.place(name), format_args!("a text of up to {LETTERS_MAX} letters")))
     }
 
     fn number(&self, name: &str) -> Result<f64, String> {
-        self.get(name)?.as_f64().ok_or_else(|| format!("{} must be a number", self.place(name)))
+        self.get(name)?.as_f64().ok_or_else(|| must_be(self.place(name), "a number"))
     }
 
     fn list(&self, name: &str, most: usize) -> Result<&'a [Value], String> {
         let list = self.get(name)?.as_array().filter(|list| list.len() <= most);
         list.map(Vec::as_slice)
-            .ok_or_else(|| format!("{} must be a list of up to {most} entries", self.place(name)))
+            .ok_or_else(|| must_be(self.place(name), format_args!("a list of up to {most} entries")))
     }
 
     fn or_null<T>(
