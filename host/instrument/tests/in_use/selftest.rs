@@ -314,8 +314,8 @@ fn a_board_whose_dac_saturates_where_it_states_passes_and_its_ends_are_reported(
         assert!((reading.value - code).abs() <= 64.0, "{reading:?}");
     }
     // One that saturates earlier than it states does not.
-    let early = FaultyWire { ends: 1500.0, ..FaultyWire::good() };
-    let report = Desk::new(wired(Options::default(), early), None).test(everything()).unwrap();
+    let early = with_wire(|wire| wire.ends = 1500.0);
+    let report = Desk::new(early, None).test(everything()).unwrap();
     assert_eq!(named(&report, Verdict::Red), [step::DAC_TO_ADC]);
 }
 
