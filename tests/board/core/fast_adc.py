@@ -58,7 +58,7 @@ class FastAdc(DualAdc):
 
     def start_by_program(self):
         """One conversion of VREFINT by the first of the ADCs, in independent mode."""
-        assert self.common & CONNECTED and not self.registers[0, CFGR] & EDGE, "not the internal reference alone"
+        assert self.common & CONNECTED and not self.registers[0, CFGR] & EDGE, "only the simultaneous mode, and VREFINT alone, are modelled"
         assert self.is_ready(0), "an ADC is started before it is ready"
         assert self.channel(0) == self.INTERNAL and self.registers[0, SQR1] & 0b1111 == 0, "one conversion of VREFINT"
         sampling = self.SAMPLING[self.registers[0, SMPR2] >> 3 * (self.INTERNAL - 10) & 7]

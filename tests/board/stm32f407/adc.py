@@ -44,7 +44,7 @@ class F407Adc(DualAdc):
         """SWSTART of ADC1: VREFINT alone, in independent mode."""
         control = self.registers[0, CR2]
         assert control & ON and self.stable_at[0] <= self.board.now, "the ADC is not stable yet (tSTAB)"
-        assert self.common & CONNECTED and not self.common & 0b11111 and not control & EDGE, "not the internal reference alone"
+        assert self.common & CONNECTED and not self.common & 0b11111 and not control & EDGE, "only the simultaneous mode, and VREFINT alone, are modelled"
         assert self.registers[0, SQR3] & 31 == INTERNAL and not self.registers[0, SQR1], "one conversion of VREFINT"
         hz = self.board.clocks.frequencies.apb[2] / DIVIDERS[self.common >> 16 & 3]
         assert hz <= FASTEST_HZ, f"the ADCs run at {hz / 1e6} MHz"

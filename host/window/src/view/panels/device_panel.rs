@@ -168,6 +168,9 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     if let Some(warning) = snapshot.device.board.as_ref().and_then(upkeep::muted_for_good) {
         ui.label(RichText::new(warning).small().color(palette.warn));
     }
+    if let Some(warning) = snapshot.device.analogue.as_ref().and_then(upkeep::wrong_reference) {
+        ui.label(RichText::new(warning).small().color(palette.warn));
+    }
     if let Some(compatibility) = snapshot.device.compatibility {
         let colour = if compatibility.may_drive() { palette.weak } else { palette.wrong };
         ui.label(RichText::new(compatibility.sentence()).small().color(colour));
