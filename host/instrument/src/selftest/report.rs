@@ -55,9 +55,11 @@ impl Reading {
 }
 
 fn with_unit(value: f64, unit: &str) -> String {
-    // A count is shown whole.
+    // A count is shown whole, a small number by three decimals.
     let number = if unit.is_empty() && value.fract() == 0.0 && value.abs() < 1e9 {
         format!("{value:.0}")
+    } else if value.abs() < 1.0 {
+        significant((1000.0 * value).round() / 1000.0 + 0.0, 3)
     } else {
         significant(value, 4)
     };

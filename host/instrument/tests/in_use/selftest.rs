@@ -9,6 +9,7 @@ use slipline_instrument::selftest::{
 };
 use slipline_link::Request;
 use slipline_link::protocol::Event;
+use slipline_link::protocol::board::{BoardReport, ClockReport, UsbFrame};
 use slipline_link::protocol::event::State;
 use slipline_link::simulator::{MuteFault, Options, SimulatedDevice};
 use slipline_plate::truth::Random;
@@ -317,6 +318,45 @@ fn a_board_whose_dac_saturates_where_it_states_passes_and_its_ends_are_reported(
     let early = with_wire(|wire| wire.ends = 1500.0);
     let report = Desk::new(early, None).test(everything()).unwrap();
     assert_eq!(named(&report, Verdict::Red), [step::DAC_TO_ADC]);
+}
+
+/// A processor of 168 MHz at USB, whose cycle counter, and whose host's frames, run by these shares of the samples' time.
+fn at_usb(counter: f64, frames: f64, worst_block: u32) -> Alter {
+    const CYCLES: f64 = 420.0;
+    Box::new(move |event| match event {
+        Event::Board(board) => Event::Board(BoardReport { core_hz: 168_000_000, ..board }),
+        Event::Clock(clock) => {
+            let cycles = |samples: f64| (samples * CYCLES * counter) as u64 as u32;
+            let frame = (clock.at as f64 / 400.0 * frames).floor();
+            let usb = UsbFrame { number: (frame % 2048.0) as u16, cycles: cycles(frame * 400.0 / frames) };
+            Event::Clock(ClockReport { cycles: cycles(clock.at as f64), usb: Some(usb), ..clock })
+        }
+        Event::Status(mut status) => {
+            status.counters.max_cycles = worst_block;
+            Event::Status(status)
+        }
+        event => event,
+    })
+}
+
+#[test]
+fn a_boards_own_clocks_are_compared_with_its_samples_and_with_the_usb() {
+    let tested = |counter, frames, worst_block| {
+        Desk::new(good(), Some(at_usb(counter, frames, worst_block))).test(everything()).unwrap()
+    };
+    let clocks =
+        |report: &SelftestReport| report.steps.iter().find(|it| it.name == step::CLOCKS).unwrap().clone();
+    let report = tested(1.0, 1.0, 30_000);
+    expect(&report, &[], &[]);
+    let quantities: Vec<String> = clocks(&report).readings.into_iter().map(|it| it.quantity).collect();
+    assert_eq!(quantities, ["rate error in a short time", "cycle error", "error by USB frames"]);
+    // A resonator instead of a crystal is less exact.
+    let report = tested(1.0, 1.0 - 200e-6, 30_000);
+    assert_eq!((clocks(&report).verdict, report.passed()), (Verdict::Amber, true), "{report:#?}");
+    assert_eq!(clocks(&tested(1.0, 0.98, 30_000)).verdict, Verdict::Red);
+    assert_eq!(clocks(&tested(1.0002, 1.0, 30_000)).verdict, Verdict::Red);
+    // 53 760 cycles are the time of a block.
+    assert_eq!(named(&tested(1.0, 1.0, 50_000), Verdict::Red), [step::LOAD]);
 }
 
 #[test]
