@@ -39,7 +39,7 @@
 //! - `native/`: a blocking client of a device, for programs. Tests: `host/tests/cli/`
 //! - `jobs/`: work on measurements and devices that takes longer than a frame
 //! - `selftest/`: a board's test of itself, by a wire or two. Tests:
-//!   `host/instrument/tests/in_use/selftest.rs`
+//!   `host/instrument/tests/in_use/selftest.rs`, `host/instrument/tests/in_use/planted_faults.rs`
 //! - `profile_file.rs`: the file of an actuator's profile. Tests: `tests/tests/profile.rs`
 //! - `concern.rs`: what the lights of a check mean beside a device: notes, and what fails or harms. Tests:
 //!   `host/instrument/tests/in_use/lights.rs`

@@ -28,6 +28,8 @@ mod measuring;
 #[cfg(feature = "figures")]
 #[path = "in_use/one_truth.rs"]
 mod one_truth;
+#[path = "in_use/planted_faults.rs"]
+mod planted_faults;
 #[path = "in_use/pluggable_port.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod pluggable_port;

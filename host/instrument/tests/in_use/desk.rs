@@ -1,7 +1,7 @@
 //! A board on a desk in virtual time: a simulated device with wires and faults, and the link to it.
 
 use slipline_instrument::measure::{MeasureError, Prompt, Run};
-use slipline_instrument::selftest::{SelftestReport, SelftestRequest, Selftesting};
+use slipline_instrument::selftest::{SelftestReport, SelftestRequest, Selftesting, Verdict, step};
 use slipline_link::connection::Connection;
 use slipline_link::protocol::version::Minor;
 use slipline_link::protocol::{Decoder, Event, Header};
@@ -287,4 +287,25 @@ pub(crate) fn everything() -> SelftestRequest {
         is_short: true,
         seed: 1,
     }
+}
+
+/// The steps that no message of today can show.
+const NEVER: [&str; 3] = [step::STALL, step::BOOTLOADER, step::FAULTS];
+/// A board without a fault, with both wires.
+pub(crate) fn good() -> SimulatedDevice {
+    wired(Options::default(), FaultyWire::good())
+}
+
+/// The names of the steps with this verdict.
+pub(crate) fn named(report: &SelftestReport, verdict: Verdict) -> Vec<&str> {
+    report.named(verdict).collect()
+}
+
+/// The report with its red and skipped steps as expected, and no other that is not green.
+pub(crate) fn expect(report: &SelftestReport, red: &[&str], skipped: &[&str]) {
+    assert_eq!(named(report, Verdict::Red), red, "{report:#?}");
+    let mut expected: Vec<&str> = skipped.iter().chain(&NEVER).copied().collect();
+    expected.sort_by_key(|name| step::ALL.iter().position(|step| step == name));
+    assert_eq!(named(report, Verdict::Skipped), expected, "{report:#?}");
+    assert_eq!(named(report, Verdict::Amber), [""; 0], "{report:#?}");
 }
