@@ -105,3 +105,30 @@ fn bad_usage_of_a_selftest_names_what_is_allowed() {
     refused(&["selftest", "--port", "/dev/ttyNone"], 1, &["/dev/ttyNone"]);
     refused(&["selftest", "--judge", "no-report.json"], 2, &["no-report.json"]);
 }
+
+#[cfg(unix)]
+#[test]
+fn a_selftest_that_a_signal_ends_leaves_the_board_disarmed() {
+    use super::served::Served;
+    use slipline_link::simulator::Options;
+    use std::time::{Duration, Instant};
+
+    for (sent, name) in [("-INT", "interrupted.sock"), ("-KILL", "killed.sock")] {
+        let served = Served::new(name, Options::default());
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_slipline"));
+        command.args(["selftest", "--port", &served.port]).stdout(std::process::Stdio::null());
+        let mut child = command.stderr(std::process::Stdio::null()).spawn().unwrap();
+        std::thread::sleep(Duration::from_secs(1));
+        super::signal(child.id(), sent);
+        assert!(!child.wait().unwrap().success(), "{sent}");
+        // After a kill the dead-man disarms it, within a second of the device's time.
+        let limit = Instant::now() + Duration::from_secs(60);
+        loop {
+            let info = super::json(&["info", "--port", &served.port]);
+            if info["state"] == "Idle" || info["state"] == "Fault" {
+                break;
+            }
+            assert!(Instant::now() < limit, "{sent}: {info}");
+        }
+    }
+}
