@@ -28,6 +28,7 @@ CLASSES = {
     "Calibration": ("calibrate", "", "A plate with its numbers fitted."),
     "Drive": ("drive", "", "A drive, as far as it is known when it begins."),
     "Verification": ("verify", "", "The device's codes beside those that they should be."),
+    "Selftest": ("selftest", "", "The report of a board's self-test."),
     "Status": ("info", "", "What a device reports of itself."),
     "Trim": ("trim", "", "The wave speed of a calibrated plate, measured once and then again and again."),
     "Sweep": ("sweep", "", "A sweep for a separate recorder."),
@@ -40,6 +41,7 @@ LEFT_OUT = {
     "Drive": ("clipped_samples", "driven_s", "ended_by", "feeling", "hold", "port", "stopped_at_samples"),
     "Texture": ("read",),
     "Verification": ("port",),
+    "Selftest": ("date", "port"),
     "Calibration": ("read",),
     "Status": ("defaults",),
 }

@@ -11,6 +11,7 @@
 //!
 //! - `cli/`: one file for each subcommand, its arguments included. Tests: `host/tests/cli/`
 //! - `cli/page/`: how `slipline page` serves the page. Tests: `host/tests/cli/page.rs`
+//! - `cli/selftest/`: the date of a self-test's report, and a report read again. Tests: `host/tests/cli/selftest.rs`
 //! - `signals.rs`: how a signal ends the program. Tests: `host/tests/cli/signals.rs`
 //! - `trace.rs`: `RUST_LOG`. Tests: `host/tests/cli/trace.rs`
 

@@ -1,6 +1,9 @@
-//! What a device has found on its board: the body of [`Event::Board`](crate::Event::Board).
+//! What a device has found on its board, and how it tries its own mute pin: the bodies of [`Event::Board`](crate::Event::Board),
+//! [`Event::Analogue`](crate::Event::Analogue), [`Event::MutePin`](crate::Event::MutePin) and
+//! [`Event::Clock`](crate::Event::Clock).
 
 use crate::schema::{body, choices};
+use crate::units::SampleIndex;
 
 choices! {
     /// The resistor that holds the mute pin low while the chip does not drive it.
@@ -60,5 +63,113 @@ body! {
         pub stop_input: StopInput [""],
         /// There is a trigger input: drives may wait for it.
         pub trigger_input: bool [""],
+    }
+}
+
+body! {
+    /// The body of [`Event::Analogue`](crate::Event::Analogue): what the start has found of the supply, and how far the DAC's output is
+    /// linear. It does not change until the next reset.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Analogue {
+        /// The reference voltage VREF+ of DAC and ADC, by the chip's internal reference and its factory calibration; 0 where the
+        /// device has not measured it.
+        pub reference_mv: u16 ["mV"],
+        /// The share of the DAC's half swing within which its output is linear: beyond it the output buffer saturates at the supply's
+        /// ends. The codes reach farther than that.
+        pub linear_per_mille: u16 ["1/1000 of the half swing", 1, 1000],
+        /// The level of the brown-out reset, as the chip's reference manual counts it from the lowest threshold; `None` where the chip
+        /// has none.
+        pub brown_out_level: Option<u8> [""],
+        /// The chip's device id (DBGMCU_IDCODE, DEV_ID); 0 where there is none.
+        pub chip: u16 [""],
+        /// Its silicon revision (REV_ID).
+        pub revision: u16 [""],
+    }
+}
+
+choices! {
+    /// How the device is to take its mute pin low, in order to measure how long it takes.
+    #[derive(Default)]
+    pub enum MuteTrial {
+        /// Not at all: it only reads the pin.
+        #[default]
+        0 since 0 Read,
+        /// No block restarts the mute timer any more, as if the program hung. The timer takes the pin low by itself.
+        1 since 0 Lapse,
+        /// The program triggers the timer's break.
+        2 since 0 Break,
+    }
+}
+
+choices! {
+    /// The level of a pin, as its input register reads it.
+    #[derive(Default)]
+    pub enum PinLevel {
+        /// There is no such pin.
+        #[default]
+        0 since 0 NoPin,
+        /// Low: the amplifier is muted.
+        1 since 0 Low,
+        /// High: the amplifier is on.
+        2 since 0 High,
+    }
+}
+
+body! {
+    /// The body of [`Command::MutePin`](crate::Command::MutePin).
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct MuteStep {
+        /// How the pin is to go low.
+        pub trial: MuteTrial [""],
+    }
+}
+
+body! {
+    /// When the pin went low in a trial, by the processor's cycle counter.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct MuteFall {
+        /// The time until the pin was first read low: from the last block that restarted the timer, or from the break.
+        pub low_after_us: u32 ["us"],
+        /// The pin was still high this long before that: an interrupt may have delayed the reading. Repeat the trial if it is too long.
+        pub within_us: u32 ["us"],
+    }
+}
+
+body! {
+    /// The body of [`Event::MutePin`](crate::Event::MutePin).
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct MutePin {
+        /// The pin at this moment; in a trial, before it.
+        pub level: PinLevel [""],
+        /// The device is on the bench (`Bench`): its mute pin stays low.
+        pub is_on_bench: bool [""],
+        /// When the pin went low; `None` if nothing was tried, or the pin stayed high for 20 ms.
+        pub fall: Option<MuteFall> [""],
+    }
+}
+
+body! {
+    /// A frame of the USB, which the host begins every millisecond.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct UsbFrame {
+        /// Its number; counts to 2047 and begins at 0 again.
+        pub number: u16 ["", 0, 2047],
+        /// The cycle counter when it began.
+        pub cycles: u32 ["cycles"],
+    }
+}
+
+body! {
+    /// The body of [`Event::Clock`](crate::Event::Clock): the same moments by the clocks that the device knows. Two of them, some seconds
+    /// apart, compare the clocks.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct ClockReport {
+        /// The index of the first block that is not rendered yet.
+        pub at: SampleIndex ["samples"],
+        /// The processor's cycle counter at the end of the renderer's turn that moved this index on; wraps. 0 where there is no
+        /// counter.
+        pub cycles: u32 ["cycles"],
+        /// The frame of the USB that began next; `None` without USB, or while the USB sleeps.
+        pub usb: Option<UsbFrame> [""],
     }
 }

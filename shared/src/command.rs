@@ -1,5 +1,6 @@
 //! Commands: the messages from a host to a device, and their bodies.
 
+use crate::board::MuteStep;
 use crate::hold::HoldSetting;
 use crate::limits::{
     CHORD_PERIOD_LOG2, CHUNK_KNOTS, COMB_PERIOD_BLOCKS, LEASE_MS, MAX_DIGEST_SAMPLES, MAX_HARMONIC,
@@ -37,6 +38,14 @@ messages! {
         0x06 since 3 Profile -> Profile,
         /// Asks how worn the profile's flash is, and how many tables may be stored in a row.
         0x07 since 3 Wear -> Wear,
+        /// Asks for what the start has found of the analogue supply, and for the linear share of the DAC's output.
+        0x08 since 3 Analogue -> Analogue,
+        /// Reads the mute pin back, or measures how long it takes to go low. A trial needs an armed device that is silent, has
+        /// unmuted the amplifier (`Arm`, not `Bench`) and is past the index of its answer; it takes up to 25 ms, in which the device
+        /// receives no stop, and then the device is disarmed.
+        0x09 since 3 MutePin(MuteStep) -> MutePin,
+        /// Asks for the sample index, the processor's cycle counter and the USB's frame at one moment. It may take 2 ms.
+        0x0a since 3 Clock -> Clock,
         /// Unmutes the amplifier and accepts drives. Needs a device without latched faults. An armed device stays as it is, with
         /// its lease if it has one (`ArmFor`).
         0x10 since 0 Arm -> Accepted,
@@ -69,6 +78,11 @@ messages! {
         /// command, and again where each drive begins. An armed device takes the new lease in the place of the old one,
         /// or of none.
         0x1b since 3 ArmFor(ArmLease) -> Accepted,
+        /// As `ArmFor`, but the mute pin stays low until the device is disarmed: drives sound at the DAC's output alone. All that ends
+        /// a drive ends one on the bench. Refused (`Armed`) while the device is armed otherwise, as `Arm` and `ArmFor` are on the bench.
+        /// A drive that begins to wait for the trigger input there raises the trigger output itself, at the index of its answer: a wire
+        /// between the two pins lets it begin.
+        0x1c since 3 Bench(ArmLease) -> Accepted,
         /// Begins to upload a turning-point table. The drive continues by the table in force.
         0x20 since 0 TableBegin(TableHeader) -> Accepted,
         /// Carries the next knots of the upload.
@@ -261,7 +275,7 @@ body! {
 }
 
 body! {
-    /// The body of [`Command::ArmFor`].
+    /// The body of [`Command::ArmFor`] and of [`Command::Bench`].
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub struct ArmLease {
         /// How long the device stays armed without a drive.

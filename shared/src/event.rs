@@ -1,6 +1,6 @@
 //! What a device answers. It never speaks first.
 
-use crate::board::BoardReport;
+use crate::board::{Analogue, BoardReport, ClockReport, MutePin};
 use crate::command::{TableHeader, TravelSetting};
 pub use crate::fault::{Fault, Faults};
 use crate::hold::Held;
@@ -29,6 +29,12 @@ messages! {
         0x86 since 3 Profile(ProfileReport),
         /// How worn the profile's flash is, and how many tables may be stored.
         0x87 since 3 Wear(Wear),
+        /// What the start has found of the analogue supply, and how far the DAC's output is linear.
+        0x88 since 3 Analogue(Analogue),
+        /// The mute pin's level, and how long it took to go low.
+        0x89 since 3 MutePin(MutePin),
+        /// The sample index, the cycle counter and the USB's frame at one moment.
+        0x8a since 3 Clock(ClockReport),
         /// Done, or will be done at this index.
         0x90 since 0 Accepted(Accepted),
         /// Not done; nothing has changed.

@@ -8,7 +8,7 @@ from copies import on_copy
 from core.outputs import BDTR
 from host import BLOCK, RATE_HZ, drive, profile
 from leaps import leap
-from messages import DigestStart
+from messages import ArmLease, DigestStart
 from rig import MID, MILLISECOND, start
 
 
@@ -189,6 +189,26 @@ def test_the_stop_input_mutes_by_hardware_whatever_the_core_does(rig):
 
     for state in DEAD:
         on_copy(rig, lambda copy: case(copy, state))
+
+
+def test_the_stop_input_ends_a_drive_on_the_bench(rig):
+    """The timer's output is off all the time: only the break's flag shows it. An input that was open before does not count."""
+    fitted(rig)
+    rig.host.upload()
+    rig.board.pins.drive(rig.facts.stop_input, None)
+    rig.host.live(0.005)
+    rig.board.pins.drive(rig.facts.stop_input, 0)
+    rig.host.accept("Bench", ArmLease(60_000))
+    rig.host.live(0.005)
+    start(rig)
+    assert rig.host.status()["state"] == "driving"
+    rig.board.pins.drive(rig.facts.stop_input, None)
+    rig.board.run(20e-6)
+    rig.board.pins.drive(rig.facts.stop_input, 0)
+    rig.host.live(0.005)
+    status = rig.host.status()
+    assert (status["state"], status["first_fault"], status["underruns"]) == ("fault", "desk stop", 0)
+    assert not any(entry[1] == rig.facts.unmute and entry[2] == 1 for entry in rig.board.log)
 
 
 def test_a_spike_on_the_stop_wire_is_reported_as_the_stop_that_it_is(rig):

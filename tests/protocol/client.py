@@ -28,10 +28,10 @@ from typing import Any, Callable, Optional, Sequence
 from channel import Channel
 from errors import FieldError, NoAnswer, Refused, SliplineError
 from messages import (
-    AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, RECTANGULAR, VERSION_1_3, Accepted, ActuatorProfile, ArmLease, BoardEvent, Capture,
-    CaptureRead, Chord, ChordTone, Comb, CombTone, DigestStart, Drive, HeldEvent, Hello, HelloEvent, Hold, HoldTone, InputsEvent,
-    KeepAlive, Listen, ListenRead, MaintenanceEvent, ProfileEvent, SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit,
-    TriggerEvent, Version, WearEvent, WriteProfile, at, fault_names,
+    AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, RECTANGULAR, VERSION_1_3, Accepted, ActuatorProfile, AnalogueEvent, ArmLease,
+    BoardEvent, Capture, CaptureRead, Chord, ChordTone, ClockEvent, Comb, CombTone, DigestStart, Drive, HeldEvent, Hello, HelloEvent,
+    Hold, HoldTone, InputsEvent, KeepAlive, Listen, ListenRead, MaintenanceEvent, MutePinEvent, MuteStep, ProfileEvent,
+    SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent, Version, WearEvent, WriteProfile, at, fault_names,
 )  # fmt: skip
 from postcard import check_integer
 from records import Choice
@@ -120,6 +120,10 @@ class Client:
         `FieldError`, and `SliplineError` with a device older than 1.3.
         """
         return self._patiently("DriveActive", 0.01, lambda: self._accepted("ArmFor", ArmLease(lease_ms)))
+
+    def bench(self, lease_ms: int) -> int:
+        """As `arm_for`, but the mute pin stays low until the device is disarmed. Raises as `arm_for`."""
+        return self._patiently("DriveActive", 0.01, lambda: self._accepted("Bench", ArmLease(lease_ms)))
 
     def disarm(self) -> int:
         """Ramps to silence and mutes."""
@@ -283,6 +287,19 @@ class Client:
     def board(self) -> BoardEvent:
         """What the device has found on its board. Raises `SliplineError` with a device older than 1.3."""
         return self._request("Board", "Board")[1]
+
+    def analogue(self) -> AnalogueEvent:
+        """What the start has found of the analogue supply. Raises `SliplineError` with a device older than 1.3."""
+        return self._request("Analogue", "Analogue")[1]
+
+    def mute_pin(self, trial: str = "Read") -> MutePinEvent:
+        """The mute pin, read back; a trial (`Lapse`, `Break`) takes it low and disarms. Raises `SliplineError` with a device older
+        than 1.3."""
+        return self._request("MutePin", "MutePin", MuteStep(Choice(trial)))[1]
+
+    def clock(self) -> ClockEvent:
+        """Sample index, cycle counter and USB frame at one moment. Raises `SliplineError` with a device older than 1.3."""
+        return self._request("Clock", "Clock")[1]
 
     def profile(self) -> ProfileEvent:
         """The profile of the actuator that is in force. Raises `SliplineError` with a device older than 1.3."""

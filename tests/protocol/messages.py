@@ -31,6 +31,8 @@ FAULT = Enumeration(
 MUTE_RESISTOR = Enumeration("MuteResistor", "NotLooked", "Present", "Missing")  # since 1.3
 USER_BUTTON = Enumeration("UserButton", "None", "Released", "Pressed")  # since 1.3
 STOP_INPUT = Enumeration("StopInput", "Unused", "Closed", "Open", "NotInProfile")  # since 1.3
+MUTE_TRIAL = Enumeration("MuteTrial", "Read", "Lapse", "Break")  # since 1.3
+PIN_LEVEL = Enumeration("PinLevel", "NoPin", "Low", "High")  # since 1.3
 FIELD = Enumeration(
     "Field", "ToneCount", "ToneSlot", "MasterLevel", "Glide", "ApplyAt", "KnotCount", "KnotStep", "KnotGain",
     "ChunkFirst", "SampleRate", "Span", "DigestCount",
@@ -276,9 +278,16 @@ class Drive(Record):
 
 @dataclass(frozen=True)
 class ArmLease(Record):
-    """How long the device stays armed without a drive. Since 1.3."""
+    """How long the device stays armed, or on the bench, without a drive. Since 1.3."""
 
     lease_ms: int = field(U32, 1000, 600000)
+
+
+@dataclass(frozen=True)
+class MuteStep(Record):
+    """How the mute pin is to go low. Since 1.3."""
+
+    trial: Choice = field(MUTE_TRIAL)
 
 
 @dataclass(frozen=True)
@@ -461,6 +470,51 @@ class BoardEvent(Record):
 
 
 @dataclass(frozen=True)
+class AnalogueEvent(Record):
+    """What the start has found of the analogue supply. Since 1.3."""
+
+    reference_mv: int = field(U16)
+    linear_per_mille: int = field(U16, 1, 1000)
+    brown_out_level: Optional[int] = field(Option(U8))
+    chip: int = field(U16)
+    revision: int = field(U16)
+
+
+@dataclass(frozen=True)
+class MuteFall(Record):
+    """When the mute pin went low in a trial. Since 1.3."""
+
+    low_after_us: int = field(U32)
+    within_us: int = field(U32)
+
+
+@dataclass(frozen=True)
+class MutePinEvent(Record):
+    """The mute pin's level, and how long it took to go low. Since 1.3."""
+
+    level: Choice = field(PIN_LEVEL)
+    is_on_bench: bool = field(BOOL)
+    fall: Optional[MuteFall] = field(Option(Fields(MuteFall)))
+
+
+@dataclass(frozen=True)
+class UsbFrame(Record):
+    """A frame of the USB: its number, and the cycle counter when it began. Since 1.3."""
+
+    number: int = field(U16, 0, 2047)
+    cycles: int = field(U32)
+
+
+@dataclass(frozen=True)
+class ClockEvent(Record):
+    """Sample index, cycle counter and USB frame at one moment. Since 1.3."""
+
+    at: int = field(U64)
+    cycles: int = field(U32)
+    usb: Optional[UsbFrame] = field(Option(Fields(UsbFrame)))
+
+
+@dataclass(frozen=True)
 class ProfileEvent(Record):
     """The profile of the actuator that is in force. Since 1.3."""
 
@@ -591,6 +645,9 @@ COMMANDS = {
         Kind(0x05, "Board", since=3),
         Kind(0x06, "Profile", since=3),
         Kind(0x07, "Wear", since=3),
+        Kind(0x08, "Analogue", since=3),
+        Kind(0x09, "MutePin", Fields(MuteStep), since=3),
+        Kind(0x0A, "Clock", since=3),
         Kind(0x10, "Arm"),
         Kind(0x11, "Disarm"),
         Kind(0x12, "Drive", Fields(Drive)),
@@ -603,6 +660,7 @@ COMMANDS = {
         Kind(0x19, "Chord", Fields(Chord), since=2),
         Kind(0x1A, "Comb", Fields(Comb), since=3),
         Kind(0x1B, "ArmFor", Fields(ArmLease), since=3),
+        Kind(0x1C, "Bench", Fields(ArmLease), since=3),
         Kind(0x20, "TableBegin", Fields(TableHeader)),
         Kind(0x21, "TableChunk", Fields(TableChunk)),
         Kind(0x22, "TableCommit"),
@@ -636,6 +694,9 @@ EVENTS = {
         Kind(0x85, "Board", Fields(BoardEvent), since=3),
         Kind(0x86, "Profile", Fields(ProfileEvent), since=3),
         Kind(0x87, "Wear", Fields(WearEvent), since=3),
+        Kind(0x88, "Analogue", Fields(AnalogueEvent), since=3),
+        Kind(0x89, "MutePin", Fields(MutePinEvent), since=3),
+        Kind(0x8A, "Clock", Fields(ClockEvent), since=3),
         Kind(0x90, "Accepted", Fields(Accepted)),
         Kind(0x91, "Refused", REFUSAL),
         Kind(0x92, "Unchanged", Fields(Accepted), since=1),

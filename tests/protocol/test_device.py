@@ -317,6 +317,27 @@ class AtSocket(DriveCase):
         with self.assertRaisesRegex(SliplineError, "ArmFor needs protocol 1.3, the device has 1.2"):
             client.arm_for(1000)
 
+    def test_a_device_on_the_bench_drives_with_its_mute_pin_low(self) -> None:
+        client = self.client
+        client.upload(self.make_table())
+        client.bench(60_000)
+        self.assertEqual(client.status().state.name, "Armed")
+        pin = client.mute_pin()
+        self.assertEqual((pin.level.name, pin.is_on_bench, pin.fall), ("Low", True, None))
+        self.assert_refused(Choice("Armed"), client.arm)
+        self.assert_refused(Choice("NotArmed"), lambda: client.mute_pin("Lapse"))
+        client.disarm()
+        client.arm()
+        self.wait_for(lambda _: client.mute_pin().level.name == "High")
+        fall = client.mute_pin("Lapse").fall
+        self.assertEqual((fall.low_after_us, fall.within_us), (4000, 0))
+        self.wait_for(lambda status: status.state.name == "Idle")
+        self.assertEqual(client.analogue().reference_mv, 3300)
+        self.assertIsNone(client.clock().usb)
+        client.hello(VERSION_1_2)
+        with self.assertRaisesRegex(SliplineError, "Bench needs protocol 1.3, the device has 1.2"):
+            client.bench(1000)
+
     def test_a_simulated_board_has_no_profile_and_takes_none_without_its_button(self) -> None:
         client = self.client
         board = client.board()

@@ -41,7 +41,7 @@ def test_its_status_has_the_fields_of_the_command_lines_info() -> None:
 def test_it_is_armed_and_driven_inside_the_block_only(plate: slipline.Plate) -> None:
     device = slipline.connect()
     device.use(plate)
-    for call in (device.arm, device.verify, lambda: device.measure(0.03)):
+    for call in (device.arm, device.verify, device.selftest, lambda: device.measure(0.03)):
         with pytest.raises(slipline.Refused, match="outside the block"):
             call()
     assert not device.closed
@@ -205,6 +205,15 @@ def test_its_codes_match_the_mirror(device: slipline.Device) -> None:
     assert device.status().state == "Idle"
     with pytest.raises(slipline.OutOfRange):
         device.verify(window_s=1e-4)
+
+
+def test_it_tests_itself_and_skips_what_is_not_wired(device: slipline.Device) -> None:
+    report = device.selftest(short=True)
+    verdicts = {step.name: step.verdict for step in report.steps}
+    assert (verdicts["codes"], verdicts["supply"], verdicts["mute"]) == ("green",) * 3
+    assert verdicts["delay"] == verdicts["mute time"] == "skipped"
+    assert "dac=sensor" in next(step.sentence for step in report.steps if step.name == "delay")
+    assert device.status().state == "Idle"
 
 
 def test_two_devices_are_driven_at_once(plate: slipline.Plate) -> None:

@@ -80,6 +80,7 @@ def test_a_devices_results_have_the_fields_of_their_classes(plate):
         yields += [device.drive(turning_point_m=0.16), device.status(), device.play(plate.texture(solid_m=0.24, tones=2))]
         yields += device.sequence([{"at": device.status().now_samples + 100_000}])
         yields.append(device.verify(tones=2, window_s=0.05))
+        yields.append(device.selftest(short=True))
     for one in yields:
         assert list(wrong(one)) == [], one
 

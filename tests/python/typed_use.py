@@ -75,6 +75,8 @@ async def devices(plate: slipline.Plate) -> None:
         device.hold(6.0, timeout=1.0)
         measured: slipline.Measurement = device.measure(0.03, points=16, low_hz=90.0, high_hz=180.0, sweep=False)
         print(measured, device.verify(tones=3).equal, device.sample_rate_hz)
+        report = device.selftest(sensor_wire=True, trigger_wire=True, amplifier_unplugged=False, short=True)
+        print(report.passed, [step.verdict for step in report.steps], report.steps[0].readings[0].value)
         try:
             device.emergency_stop()
         except slipline.Fault as fault:

@@ -1,5 +1,6 @@
 //! One of every command.
 
+use slipline_protocol::board::MuteStep;
 use slipline_protocol::command::{
     ArmLease, DigestWindow, Hello, KeepAlive, ProfileSetting, TableChunk, TravelLimit, TravelSetting,
 };
@@ -30,6 +31,9 @@ pub fn every_command() -> Vec<Command> {
         Command::Board,
         Command::Profile,
         Command::Wear,
+        Command::Analogue,
+        Command::MutePin(MuteStep::default()),
+        Command::Clock,
         Command::Arm,
         Command::Disarm,
         Command::Drive(drive(&[(0, 0.1, 0.2), (3, 0.9, 0.3)], 3000)),
@@ -44,6 +48,7 @@ pub fn every_command() -> Vec<Command> {
         // 3 to 6.2 kHz.
         Command::Comb(comb(128, &[(123, 0.1, 0.0), (254, 0.2, 0.25)])),
         Command::ArmFor(ArmLease { lease_ms: 60_000 }),
+        Command::Bench(ArmLease { lease_ms: 60_000 }),
         Command::TableBegin(table.header),
         Command::TableChunk(chunk),
         Command::TableCommit,

@@ -38,6 +38,7 @@ mod measuring;
 mod minor_versions;
 mod mirror;
 mod noise;
+mod on_bench;
 mod port_errors;
 mod ports;
 mod profile;

@@ -327,9 +327,12 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
         let faults = Faults::NONE.with(Fault::EmergencyStop);
         let event = rig.send(&command);
         let expected = match command {
-            Command::Arm | Command::ArmFor(_) | Command::Drive(_) | Command::Chord(_) | Command::Comb(_) => {
-                event == Event::Refused(Refusal::Faulted { faults })
-            }
+            Command::Arm
+            | Command::ArmFor(_)
+            | Command::Bench(_)
+            | Command::Drive(_)
+            | Command::Chord(_)
+            | Command::Comb(_) => event == Event::Refused(Refusal::Faulted { faults }),
             Command::KeepAlive(_) | Command::Status => {
                 matches!(&event, Event::Status(status) if status.state == State::Fault && status.faults == faults)
             }
@@ -355,6 +358,9 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             Command::Board => matches!(event, Event::Board(_)),
             Command::Profile => matches!(event, Event::Profile(_)),
             Command::Wear => matches!(event, Event::Wear(_)),
+            Command::Analogue => matches!(event, Event::Analogue(_)),
+            Command::MutePin(_) => matches!(event, Event::MutePin(_)),
+            Command::Clock => matches!(event, Event::Clock(_)),
             Command::WriteProfile(_) => event == Event::Refused(Refusal::HoldButton),
             Command::Trigger => matches!(event, Event::Trigger(_)),
             Command::Inputs => matches!(event, Event::Inputs(_)),

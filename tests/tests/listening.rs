@@ -323,3 +323,36 @@ fn a_tone_that_is_stopped_within_the_window_is_not_followed() {
     assert_eq!((listened.answers[0].in_phase, listened.answers[0].quadrature), (0, 0));
     assert_ne!(listened.answers[5].in_phase, 0);
 }
+
+/// How much of a loud tone a Hann window of `blocks` shows in the answer of a faint one, in dB: the two differ by the block rate and
+/// `tenths` of a bin.
+fn leakage_db(blocks: u16, tenths: i32) -> f64 {
+    // A tenth of a bin is the comb's base frequency; 30 kHz.
+    let (period, faint) = (10 * blocks, 96 * blocks);
+    let loud = (i32::from(faint + 10 * blocks) + tenths) as u16;
+    let mut rig = wired(Options::default());
+    let at = rig.accepted(&Command::Comb(comb(period, &[(faint, 1.0 / 65_535.0, 0.0), (loud, 0.9, 0.0)])));
+    let hann = ListenWindow { shape: WindowShape::Hann, slots: 3, ..window(Some(at + 40 * BLOCK), blocks) };
+    rig.accepted(&Command::Listen(hann));
+    rig.live_blocks(u64::from(blocks) + 60);
+    let heard = listened(&mut rig, 0, 0);
+    assert_eq!((heard.progress, heard.followed), (Progress::Finished, 3));
+    let [faint, loud] = [0, 1].map(|slot: usize| {
+        let answer = &heard.answers[slot];
+        (answer.in_phase as f64).hypot(answer.quadrature as f64)
+    });
+    20.0 * (faint / loud).log10()
+}
+
+#[test]
+fn a_hann_window_of_blocks_leaks_where_two_tones_differ_by_the_block_rate() {
+    // The figures of shared/PROTOCOL.md, "What the inputs measure": at its worst, and more than two bins away.
+    for (blocks, worst_db, away_db) in [(20, -31.3, -47.0), (200, -51.6, -69.0)] {
+        let worst = leakage_db(blocks, -8);
+        assert!((worst - worst_db).abs() < 0.5, "{blocks} blocks: {worst} dB");
+        for tenths in [-25, 25] {
+            let away = leakage_db(blocks, tenths);
+            assert!(away < away_db, "{blocks} blocks, {tenths} tenths of a bin: {away} dB");
+        }
+    }
+}

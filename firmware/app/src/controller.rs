@@ -15,6 +15,7 @@ mod drive;
 mod excursion;
 mod hold;
 mod listening;
+mod mute_pin;
 mod profile;
 mod status;
 mod tables;
@@ -183,8 +184,9 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         mailbox: &Mailbox<M>,
     ) -> Result<Event, Refusal> {
         match command {
-            Command::Arm => self.arm(mailbox).map(accepted),
-            Command::ArmFor(lease) => self.arm_for(*lease, mailbox).map(accepted),
+            Command::Arm => self.arm(false, mailbox).map(accepted),
+            Command::ArmFor(lease) => self.arm_for(*lease, false, mailbox).map(accepted),
+            Command::Bench(lease) => self.arm_for(*lease, true, mailbox).map(accepted),
             Command::Disarm => Ok(accepted(mailbox.disarm(Stop::Normal))),
             Command::Drive(drive) => {
                 let waited = self.hold_back_levels(mailbox);
@@ -256,6 +258,9 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::Maintenance => Ok(Event::Maintenance(self.maintenance())),
             Command::Wear => Ok(Event::Wear(self.wear(mailbox.now()))),
             Command::Board => Ok(Event::Board(self.system.board())),
+            Command::Analogue => Ok(Event::Analogue(self.system.analogue())),
+            Command::MutePin(step) => self.mute_pin(*step, mailbox).map(Event::MutePin),
+            Command::Clock => Ok(Event::Clock(self.system.clock(&|| mailbox.now()))),
             Command::Profile => Ok(Event::Profile(self.bounds.report())),
             Command::WriteProfile(setting) => self.write_profile(setting, mailbox),
             Command::BootloaderToken => {

@@ -192,11 +192,26 @@ impl<M: RawMutex> Mailbox<M> {
     /// Unmutes; drives may begin at the index returned, after some blocks of mid-scale. Starts the dead-man's
     /// time. Has no lease, unless the device is armed.
     pub fn arm(&self) -> SampleIndex {
+        self.arm_as(false)
+    }
+
+    /// As [`Mailbox::arm`], but the amplifier stays muted until the device is disarmed.
+    pub fn bench(&self) -> SampleIndex {
+        self.arm_as(true)
+    }
+
+    /// Whether the device was armed by [`Mailbox::bench`].
+    pub fn is_on_bench(&self) -> bool {
+        self.shared.lock(Shared::is_on_bench)
+    }
+
+    fn arm_as(&self, on_bench: bool) -> SampleIndex {
         self.shared.lock(|shared| {
             let next = shared.next.get();
             if !shared.armed.get() {
                 shared.ready_at.set(next.saturating_add(SETTLE_BLOCKS * BLOCK_SAMPLES));
                 shared.armed.set(true);
+                shared.on_bench.set(on_bench);
                 shared.drive_began.set(next);
                 shared.lease.set(NO_LEASE);
                 shared.lease_ends.set(NO_LEASE);

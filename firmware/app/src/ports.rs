@@ -6,7 +6,11 @@
 use core::ops::Range;
 use slipline_dds::bank::{BLOCK, TONES};
 
-pub use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
+pub use slipline_protocol::board::{
+    Analogue, BoardReport, ClockReport, MuteFall, MuteResistor, MuteTrial, PinLevel, StopInput, UsbFrame,
+    UserButton,
+};
+pub use slipline_protocol::units::SampleIndex;
 
 /// The renderer's ports of a board.
 #[derive(Clone, Copy, Debug)]
@@ -128,10 +132,18 @@ pub trait Mute {
     /// Mutes or unmutes. Called before every block.
     fn set_muted(&mut self, muted: bool);
 
-    /// The amplifier, which is on, stays on for another while. Called after every block that was taken in time.
+    /// Called in place of [`Mute::set_muted`] before every block on the bench ([`Command::Bench`](slipline_protocol::Command::Bench)):
+    /// mutes, and watches the stop input from the first call of a row on.
+    fn bench(&mut self) {
+        self.set_muted(true);
+    }
+
+    /// The amplifier, which is on, stays on for another while. Called after every block that was taken in time, on the bench, too,
+    /// where it stays off.
     ///
     /// # Errors
-    /// [`HasMuted`] if it is off already. It stays off until it is muted and unmuted again.
+    /// [`HasMuted`] if it is off already. It stays off until it is muted and unmuted again. On the bench only if the stop input was
+    /// open.
     fn stay_on(&mut self) -> Result<(), HasMuted>;
 
     /// Whether it was the stop input that has muted it: it was open since it was unmuted, if only for a moment. Asked when
@@ -294,6 +306,27 @@ pub trait System {
     /// What the device has found on its board, and its button at this moment.
     fn board(&self) -> BoardReport {
         BoardReport::default()
+    }
+
+    /// What the start has found of the analogue supply, and the linear share of the DAC's output.
+    fn analogue(&self) -> Analogue {
+        Analogue { linear_per_mille: 1000, ..Analogue::default() }
+    }
+
+    /// The level of the mute pin, by its input register.
+    fn mute_level(&self) -> PinLevel {
+        PinLevel::NoPin
+    }
+
+    /// Takes the mute pin, which is high, low in this way, and waits until it is low, for 20 ms at most; `None` if it is not by then.
+    /// Until the next [`Mute::set_muted`] that mutes, [`Mute::stay_on`] finds nothing wrong.
+    fn try_mute(&mut self, _trial: MuteTrial) -> Option<MuteFall> {
+        None
+    }
+
+    /// The device's clocks at one moment; `now` is the present index. It may wait for the next block.
+    fn clock(&self, now: &dyn Fn() -> SampleIndex) -> ClockReport {
+        ClockReport { at: now(), ..ClockReport::default() }
     }
 
     /// The actuator's profile says whether a stop input is fitted, or there is none. One that was fitted stays so until a reset.

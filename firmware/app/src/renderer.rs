@@ -70,6 +70,8 @@ pub struct Renderer {
     /// Consecutive blocks of mid-scale so far.
     quiet_blocks: u64,
     muted: bool,
+    /// Whether the device is armed and stays muted.
+    on_bench: bool,
     /// Whether a program begins with the last rendered block: a drive, or a table that comes into force while armed.
     begins: bool,
     /// Whether a program waits for the trigger input, and whether that has risen before the block to be rendered.
@@ -117,6 +119,7 @@ impl Renderer {
             limit_due,
             quiet_blocks: 0,
             muted: true,
+            on_bench: false,
             begins: false,
             listens: false,
             has_risen: false,
@@ -197,10 +200,16 @@ impl Renderer {
             self.render_for(mailbox, &mut codes, Some(&mut *listener));
             let rendered = cycles.cycles().wrapping_sub(before);
             self.report.max_cycles = self.report.max_cycles.max(rendered);
-            mute.set_muted(self.muted);
+            if self.on_bench {
+                mute.bench();
+            } else {
+                mute.set_muted(self.muted);
+            }
             if self.listens && !has_listened {
                 // A rise of before counts for nothing.
                 trigger.has_risen();
+                // On the bench a wire may lead from the output to the input.
+                self.begins |= self.on_bench;
             }
             if dac.write_block(&codes).await.is_err() {
                 self.underrun(mailbox);
@@ -209,7 +218,7 @@ impl Renderer {
             if self.begins {
                 trigger.rise();
             }
-            if !self.muted && mute.stay_on().is_err() {
+            if (!self.muted || self.on_bench) && mute.stay_on().is_err() {
                 self.was_muted(mute.was_stopped(), mailbox);
             }
             let before = cycles.cycles();
@@ -456,10 +465,13 @@ impl Renderer {
         self.is_quiet = heard == 0;
     }
 
-    /// Unmutes once mid-scale has flowed after arming; mutes once it has flowed after disarming.
+    /// Unmutes once mid-scale has flowed after arming, but never on the bench; mutes once it has flowed after disarming.
     fn switch_mute(&mut self, orders: &Orders) {
         self.quiet_blocks = if self.is_quiet { self.quiet_blocks.saturating_add(1) } else { 0 };
-        if orders.armed {
+        self.on_bench = orders.on_bench;
+        if orders.on_bench {
+            self.muted = true;
+        } else if orders.armed {
             self.muted &= self.index < orders.ready_at;
         } else {
             self.muted |= self.quiet_blocks > SETTLE_BLOCKS;

@@ -12,7 +12,10 @@ use embassy_time::{Instant, Timer};
 use slipline_app::listening::capture::Values;
 use slipline_app::listening::listener::Listener;
 use slipline_app::planning::chord::Candidate;
-use slipline_app::ports::{BoardReport, CycleCounter, MuteResistor, RendererPorts, StopInput, System};
+use slipline_app::ports::{
+    Analogue, BoardReport, ClockReport, CycleCounter, MuteFall, MuteResistor, MuteTrial, PinLevel,
+    RendererPorts, SampleIndex, StopInput, System,
+};
 use slipline_app::safety::boot::{Boot, STABLE_AFTER_MS};
 use slipline_app::{Device, Link, Mailbox, Renderer, Supervisor, Timing, release};
 use static_cell::StaticCell;
@@ -26,9 +29,9 @@ use crate::sense::Inputs;
 use crate::store::Store;
 use crate::trigger::TriggerPins;
 #[cfg(feature = "link-uart")]
-use crate::uart_link::{FromHost, ToHost, start as start_link};
+use crate::uart_link::{FromHost, ToHost, next_frame, start as start_link};
 #[cfg(feature = "link-usb")]
-use crate::usb_link::{FromHost, ToHost, start as start_link};
+use crate::usb_link::{FromHost, ToHost, next_frame, start as start_link};
 use crate::{bootloader, crash, fast, guard, pin_lock, priority, supply, watchdog};
 
 type SharedMailbox = Mailbox<CriticalSectionRawMutex>;
@@ -117,6 +120,7 @@ fn main() -> ! {
     unsafe { interrupt::TIM6_DAC.enable() };
     // Counts from the first code on.
     let trigger = TriggerPins::start(board.trigger_timer, board.trigger, board.trigger_input);
+    let reference_mv = Inputs::reference_mv();
     let inputs = Inputs::start(dac::fetched, board.sensors, board.sense_pins);
     let dac = Dac::start(board.dac, board.sample_timer, board.dac_stream, board.dac_pin);
 
@@ -147,7 +151,7 @@ fn main() -> ! {
             spawner.spawn(task);
         }
         let (read, write) = start_link(spawner, board.link);
-        let facts = Facts::new(has_mute_resistor, board.stop_input);
+        let facts = Facts::new(has_mute_resistor, reference_mv, board.stop_input);
         if let Ok(task) = talk(read, write, boot, store, facts) {
             spawner.spawn(task);
         }
@@ -227,6 +231,9 @@ async fn supervise(mut light: Output<'static>, standing: Option<Lamp>) {
     }
 }
 
+/// Looks at the sample index until it moves on, at most: each takes 10 cycles of the core or more, and a block 128 000 at most.
+const INDEX_LOOKS: u32 = 20_000;
+
 /// The core's cycle counter.
 struct Cycles;
 
@@ -239,6 +246,7 @@ impl CycleCounter for Cycles {
 /// What the start has found, the chip's ROM bootloader, and what its option bytes say.
 struct Facts {
     has_mute_resistor: bool,
+    reference_mv: u16,
     stop_input: FoundStopInput,
 }
 
@@ -253,8 +261,8 @@ enum FoundStopInput {
 }
 
 impl Facts {
-    const fn new(has_mute_resistor: bool, stop_input: Flex<'static>) -> Self {
-        Self { has_mute_resistor, stop_input: FoundStopInput::Unused(stop_input) }
+    const fn new(has_mute_resistor: bool, reference_mv: u16, stop_input: Flex<'static>) -> Self {
+        Self { has_mute_resistor, reference_mv, stop_input: FoundStopInput::Unused(stop_input) }
     }
 }
 
@@ -286,6 +294,33 @@ impl System for Facts {
             },
             trigger_input: self.has_trigger_input(),
         }
+    }
+
+    fn analogue(&self) -> Analogue {
+        let (chip, revision) = board::chip();
+        Analogue {
+            reference_mv: self.reference_mv,
+            linear_per_mille: board::LINEAR_PER_MILLE,
+            brown_out_level: Some(board::brown_out_level()),
+            chip,
+            revision,
+        }
+    }
+
+    fn mute_level(&self) -> PinLevel {
+        mute::level()
+    }
+
+    fn try_mute(&mut self, trial: MuteTrial) -> Option<MuteFall> {
+        mute::attempt(trial)
+    }
+
+    fn clock(&self, now: &dyn Fn() -> SampleIndex) -> ClockReport {
+        let before = now();
+        // The renderer moves the index on, and the thread sees that when the renderer's turn is over.
+        let at = (0..INDEX_LOOKS).map(|_| now()).find(|at| *at != before).unwrap_or(before);
+        let cycles = DWT::cycle_count();
+        ClockReport { at, cycles, usb: next_frame() }
     }
 
     fn fit_stop_input(&mut self, is_fitted: Option<bool>) {

@@ -24,17 +24,26 @@
 //!   active. On the G474 and the H743 the chip's own sources of a break set SBIF instead.
 //! * LOCK = 2 keeps all this, and the polarities, until the next reset. Level 3 would keep the mode, too.
 
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+use cortex_m::peripheral::DWT;
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
 use embassy_stm32::pac::gpio::vals::Idr;
 use embassy_stm32::pac::timer::vals::{Bkp, Lock, Ossi};
 use embassy_stm32::{Peri, rcc};
-use slipline_app::ports::{HasMuted, Mute};
+use slipline_app::ports::{HasMuted, Mute, MuteFall, MuteTrial, PinLevel};
 
 use crate::board::{self, MUTE_CHANNEL as CHANNEL, MUTE_TIMER as TIMER, MutedPin};
 use crate::pin_lock;
 
 /// Time from the last good block until the amplifier is off, in us. A block lasts 0.32 ms, so twelve may be missing.
 const STAYS_ON_US: u16 = 4000;
+
+/// A trial: no block restarts the timer until the amplifier is muted.
+static IS_WITHHELD: AtomicBool = AtomicBool::new(false);
+/// How long a trial waits for the pin. A look takes 10 cycles of the core or more: should the cycle counter stand still, the looks end it.
+const TRIAL_US: u32 = 20_000;
+const LOOKS: u32 = 1_000_000;
 
 /// Output compare modes.
 const INACTIVE_ON_MATCH: u8 = 0b010;
@@ -44,6 +53,8 @@ const FORCED_ACTIVE: u8 = 0b101;
 /// The amplifier's mute pin.
 pub(crate) struct MutePin {
     is_on: bool,
+    /// Off, with the stop input watched.
+    on_bench: bool,
     has_resistor: bool,
 }
 
@@ -86,7 +97,7 @@ impl MutePin {
         core::mem::forget(pin);
         let (port, number) = board::MUTE_PIN;
         pin_lock::lock(port, number);
-        Self { is_on: false, has_resistor }
+        Self { is_on: false, on_bench: false, has_resistor }
     }
 }
 
@@ -94,16 +105,32 @@ impl Mute for MutePin {
     fn set_muted(&mut self, muted: bool) {
         let muted = muted || !self.has_resistor;
         match (self.is_on, muted) {
-            (true, true) => off(),
+            (true, true) => {
+                off();
+                IS_WITHHELD.store(false, Relaxed);
+            }
             (false, false) => on(),
             _ => {}
         }
         self.is_on = !muted;
+        self.on_bench = false;
+    }
+
+    fn bench(&mut self) {
+        if self.on_bench {
+            return;
+        }
+        self.set_muted(true);
+        forget_stop();
+        self.on_bench = true;
     }
 
     fn stay_on(&mut self) -> Result<(), HasMuted> {
-        if !self.has_resistor {
-            // It is off for good, and no fault: everything but the amplifier works.
+        if self.on_bench {
+            return if self.was_stopped() { Err(HasMuted) } else { Ok(()) };
+        }
+        if !self.has_resistor || IS_WITHHELD.load(Relaxed) {
+            // Without its resistor it is off for good, and no fault: everything but the amplifier works.
             return Ok(());
         }
         if !is_on() {
@@ -136,8 +163,52 @@ pub(crate) fn is_stop_input_high() -> bool {
     port.idr().read().idr(number) == Idr::HIGH
 }
 
+/// The level of the mute pin, whatever drives it: an input register shows the pin in every mode but the analogue one.
+pub(crate) fn level() -> PinLevel {
+    let (port, number) = board::MUTE_PIN;
+    if port.idr().read().idr(number) == Idr::HIGH { PinLevel::High } else { PinLevel::Low }
+}
+
+/// Takes the pin, which is high, low in this way, and times it by the cycle counter. Interrupts go on: what they delay shows in
+/// `within_us`.
+pub(crate) fn attempt(trial: MuteTrial) -> Option<MuteFall> {
+    const CYCLES_PER_US: u32 = board::CORE_HZ / 1_000_000;
+    IS_WITHHELD.store(true, Relaxed);
+    let begun = cortex_m::interrupt::free(|_| {
+        let now = DWT::cycle_count();
+        if trial == MuteTrial::Break {
+            TIMER.egr().write(|w| w.set_bg(0, true));
+            return now;
+        }
+        // It counts microseconds since the last block.
+        now.wrapping_sub(u32::from(TIMER.cnt().read().cnt()) * CYCLES_PER_US)
+    });
+    let us = |since: u32, now: u32| now.wrapping_sub(since) / CYCLES_PER_US;
+    let mut last_high = begun;
+    for _ in 0..LOOKS {
+        let level = level();
+        let now = DWT::cycle_count();
+        if level == PinLevel::Low {
+            return Some(MuteFall { low_after_us: us(begun, now), within_us: us(last_high, now) });
+        }
+        if us(begun, now) >= TRIAL_US {
+            break;
+        }
+        last_high = now;
+    }
+    None
+}
+
 fn set_mode(mode: u8) {
     TIMER.ccmr_output(CHANNEL / 2).modify(|w| w.set_ocm(CHANNEL % 2, mode.into()));
+}
+
+/// Clears the break's flag, which stays set while the stop input is open.
+fn forget_stop() {
+    TIMER.sr().write(|w| {
+        w.0 = u32::MAX;
+        w.set_bif(0, false);
+    });
 }
 
 /// Unmutes, for the time of [`STAYS_ON_US`].
@@ -147,8 +218,8 @@ fn on() {
     TIMER.sr().write(|w| {
         w.0 = u32::MAX;
         w.set_ccif(CHANNEL, false);
-        w.set_bif(0, false);
     });
+    forget_stop();
     set_mode(FORCED_ACTIVE);
     set_mode(INACTIVE_ON_MATCH);
     TIMER.bdtr().modify(|w| w.set_moe(true));

@@ -138,6 +138,20 @@ impl Inputs {
         Self { fetched, next: 0 }
     }
 
+    /// The reference voltage VREF+ in mV, by the chip's internal reference and its factory calibration; 0 if the ADC does not answer or
+    /// nothing is stored. Before [`Inputs::start`].
+    pub(crate) fn reference_mv() -> u16 {
+        let (stored, at_mv) = board::REFERENCE_CALIBRATION;
+        // SAFETY: a half word of the chip's system memory, which the factory has written; any bits are a value.
+        let calibration = unsafe { (stored as *const u16).read_volatile() };
+        match adc::reference_code() {
+            Some(code @ 1..) if calibration != u16::MAX => {
+                u16::try_from(u32::from(calibration) * at_mv / u32::from(code)).unwrap_or(u16::MAX)
+            }
+            _ => 0,
+        }
+    }
+
     /// The codes that can be read. Restarts if the ADC has stopped or may be out of step.
     fn sampled(&self) -> Sampled {
         if !IS_LOST.load(Relaxed)

@@ -37,6 +37,7 @@ use embassy_stm32::interrupt::InterruptExt;
 use embassy_stm32::usart::Config;
 use embassy_sync::waitqueue::AtomicWaker;
 use embedded_io_async::{ErrorType, Read, Write};
+use slipline_app::ports::UsbFrame;
 
 use crate::board::{self, LINK_UART as UART, RECEIVE_WAY, SEND_WAY};
 use crate::priority;
@@ -218,6 +219,11 @@ impl Write for ToHost {
         })
         .await
     }
+}
+
+/// There is no USB here.
+pub(crate) const fn next_frame() -> Option<UsbFrame> {
+    None
 }
 
 /// Sets up the line.

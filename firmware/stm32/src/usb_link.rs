@@ -5,6 +5,7 @@
 //! not read, and a read waits without a limit. A write waits too, but the application drops it with its reply when the
 //! host has not taken it in time: a host that has stopped reading must not stop the program.
 
+use cortex_m::peripheral::DWT;
 use embassy_executor::Spawner;
 use embassy_futures::select::select;
 use embassy_stm32::interrupt::{self, InterruptExt};
@@ -17,10 +18,11 @@ use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
 use embassy_usb::driver::EndpointError;
 use embassy_usb::{Builder, Handler, UsbDevice};
 use embedded_io_async::{ErrorKind, ErrorType, Read, Write};
+use slipline_app::ports::UsbFrame;
 use static_cell::StaticCell;
 
-use crate::priority;
 use crate::usb_control::{Guarded, PACKET};
+use crate::{board, priority};
 
 /// The test pair of pid.codes: 0x1209 is its vendor id; anyone may use product 0x0001 for development, but must not
 /// ship it. A product needs its own pair; the udev rule and the host's port search use this one.
@@ -83,6 +85,27 @@ pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
         spawner.spawn(task);
     }
     (FromHost { receiver, packet: [0; PACKET], start: 0, end: 0 }, ToHost(sender))
+}
+
+/// How long a frame is waited for: two frames, in cycles. Should the cycle counter stand still, the looks end it.
+const FRAME_CYCLES: u32 = board::CORE_HZ / 500;
+const FRAME_LOOKS: u32 = 200_000;
+
+/// The frame that the host begins next, with the cycle counter then; `None` if it begins none.
+pub(crate) fn next_frame() -> Option<UsbFrame> {
+    // DSTS.FNSOF, of which full speed uses 11 bits (RM0090 34.16.4).
+    let number = || pac::USB_OTG_FS.dsts().read().fnsof() & 0x7ff;
+    let (before, begun) = (number(), DWT::cycle_count());
+    for _ in 0..FRAME_LOOKS {
+        let (number, cycles) = (number(), DWT::cycle_count());
+        if number != before {
+            return Some(UsbFrame { number, cycles });
+        }
+        if cycles.wrapping_sub(begun) > FRAME_CYCLES {
+            break;
+        }
+    }
+    None
 }
 
 /// IN endpoints that every core has, the control endpoint included (F407: four, RM0090 34.3; H743: nine).

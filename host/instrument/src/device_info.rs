@@ -54,6 +54,10 @@ pub struct DeviceInfo {
     pub stores_left: Option<u8>,
     /// Whether the brown-out level is set.
     pub brown_out_guarded: Option<bool>,
+    /// The reference voltage VREF+; `None` where it is not measured.
+    pub reference_v: Option<f64>,
+    /// The share of full scale within which the DAC's output is linear.
+    pub linear_share: Option<f64>,
     /// The processor's clock.
     pub core_hz: Option<u32>,
     /// The resistor at the mute pin.
@@ -171,6 +175,7 @@ impl DeviceInfo {
         let maintenance = snapshot.device.maintenance.as_ref();
         let wear = snapshot.device.wear.as_ref();
         let board = snapshot.device.board.as_ref();
+        let analogue = snapshot.device.analogue.as_ref();
         let text = |of: fn(&Identity) -> &str| identity.map(|it| of(it).to_owned());
         Self {
             port: port.to_string(),
@@ -195,6 +200,8 @@ impl DeviceInfo {
             profile_erasures_promised: wear.map(|it| it.profile_erasures_promised),
             stores_left: wear.map(|it| it.stores_left),
             brown_out_guarded: maintenance.map(|it| it.brown_out_guarded),
+            reference_v: analogue.filter(|it| it.reference_mv > 0).map(|it| f64::from(it.reference_mv) / 1e3),
+            linear_share: analogue.map(|it| f64::from(it.linear_per_mille) / 1e3),
             core_hz: board.map(|it| it.core_hz).filter(|&hz| hz > 0),
             mute_resistor: board.map(|it| name(&it.mute_resistor)),
             user_button: board.map(|it| name(&it.user_button)),

@@ -38,6 +38,8 @@
 //!   `tests/python/test_command_line.py`
 //! - `native/`: a blocking client of a device, for programs. Tests: `host/tests/cli/`
 //! - `jobs/`: work on measurements and devices that takes longer than a frame
+//! - `selftest/`: a board's test of itself, by a wire or two. Tests:
+//!   `host/instrument/tests/in_use/selftest.rs`, `host/instrument/tests/in_use/planted_faults.rs`
 //! - `profile_file.rs`: the file of an actuator's profile. Tests: `tests/tests/profile.rs`
 //! - `concern.rs`: what the lights of a check mean beside a device: notes, and what fails or harms. Tests:
 //!   `host/instrument/tests/in_use/lights.rs`
@@ -68,10 +70,11 @@ pub mod profile_file;
 pub mod recording;
 pub mod requests;
 pub mod rig;
+pub mod selftest;
 
 pub use instrument::{
     Asked, AskedContent, AskedTable, Attention, Awaited, Background, CalibrateIntent, CalibrateScene,
     CalibrationSide, DesignState, Desk, DeviceIntent, DragRecorder, Drive, HoldScene, Instrument, Jobs, Link,
     LiveScene, MeasureDraft, MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, Progress, SAFE_MODE,
-    Screen, Shown, TextureScene, TourScene, TourStep, Waiting, fault_sentence,
+    Screen, SelftestScene, Shown, TextureScene, TourScene, TourStep, Waiting, fault_sentence,
 };

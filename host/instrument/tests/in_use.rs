@@ -8,6 +8,8 @@ mod chords;
 #[cfg(feature = "native")]
 #[path = "in_use/client.rs"]
 mod client;
+#[path = "in_use/desk.rs"]
+mod desk;
 #[path = "in_use/drive_check.rs"]
 mod drive_check;
 #[path = "in_use/drive_time.rs"]
@@ -26,6 +28,8 @@ mod measuring;
 #[cfg(feature = "figures")]
 #[path = "in_use/one_truth.rs"]
 mod one_truth;
+#[path = "in_use/planted_faults.rs"]
+mod planted_faults;
 #[path = "in_use/pluggable_port.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod pluggable_port;
@@ -34,6 +38,8 @@ mod replaying;
 #[path = "in_use/script.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod script;
+#[path = "in_use/selftest.rs"]
+mod selftest;
 #[path = "in_use/sensors.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod sensors;

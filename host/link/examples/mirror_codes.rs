@@ -66,9 +66,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     | Command::Board
                     | Command::Profile
                     | Command::Wear
+                    | Command::Analogue
+                    | Command::MutePin(_)
+                    | Command::Clock
                     | Command::WriteProfile(_)
                     | Command::Arm
                     | Command::ArmFor(_)
+                    | Command::Bench(_)
                     | Command::ClearFaults
                     | Command::SetTravelLimit(_)
                     | Command::TravelLimit

@@ -255,6 +255,7 @@ impl<O: Opener> Connection<O> {
             }
             Request::Arm
             | Request::ArmFor(_)
+            | Request::Bench(_)
             | Request::Disarm
             | Request::Play(_)
             | Request::Listen(_)
@@ -270,6 +271,9 @@ impl<O: Opener> Connection<O> {
             | Request::Forget
             | Request::WriteProfile(_)
             | Request::Bootloader
+            | Request::MutePin(_)
+            | Request::ReadBoard
+            | Request::ReadClock
             | Request::Refresh
             | Request::Digest(_) => self.request_of_device(ticket, request, now),
         }

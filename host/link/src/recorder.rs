@@ -12,7 +12,7 @@ use crate::snapshot::{DeviceView, DriveView, LinkCounters, LinkState, RoundTrip,
 use crate::trace::FRAMES_KEPT;
 use crate::undecided::{Held, Undecided};
 use crate::upkeep;
-use slipline_protocol::board::BoardReport;
+use slipline_protocol::board::{Analogue, BoardReport, ClockReport, MutePin};
 use slipline_protocol::command::{ArmLease, TravelLimit};
 use slipline_protocol::event::{Maintenance, ProfileReport, State, Status, TableReport, TriggerReport, Wear};
 use slipline_protocol::hold;
@@ -244,6 +244,28 @@ impl Recorder {
         self.touch();
     }
 
+    /// Stores the device's report on its supply, with a log entry if its reference voltage is wrong.
+    pub(crate) fn analogue(&mut self, reported: Analogue) {
+        if self.view.device.analogue.replace(reported).is_none()
+            && let Some(warning) = upkeep::wrong_reference(&reported)
+        {
+            self.log(Severity::Warning, warning);
+        }
+        self.touch();
+    }
+
+    /// Stores the device's report on its mute pin.
+    pub(crate) fn mute_pin(&mut self, reported: MutePin) {
+        self.view.device.mute_pin = Some(reported);
+        self.touch();
+    }
+
+    /// Stores the device's clocks.
+    pub(crate) fn clock(&mut self, reported: ClockReport) {
+        self.view.device.clock = Some(reported);
+        self.touch();
+    }
+
     /// Stores the device's report on the wear of its profile's flash.
     pub(crate) fn wear(&mut self, reported: Wear) {
         self.view.device.wear = Some(reported);
@@ -301,6 +323,11 @@ impl Recorder {
                 let text = self.view.fault_text(fault);
                 self.log(Severity::Error, format!("Fault: {text}."));
             }
+        }
+        let share = self.view.linear_share();
+        let sum = |status: &Status| f64::from(status.sum_per_mille) / 1e3;
+        if sum(&status) > share && self.view.drive.status.is_none_or(|before| sum(&before) <= share) {
+            self.log(Severity::Warning, upkeep::beyond_linear(sum(&status), share));
         }
         if self.view.drive.status.as_ref().map(seen) != Some(seen(&status)) {
             self.touch();

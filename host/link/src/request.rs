@@ -7,6 +7,7 @@ use crate::port::Port;
 use crate::refusal::Refusal;
 use crate::sounding::Sounding;
 use crate::table::DeviceTable;
+use slipline_protocol::board::MuteTrial;
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::event::Digest;
 use slipline_protocol::profile::ActuatorProfile;
@@ -29,6 +30,8 @@ pub enum Request {
     /// The same on a lease: without a drive for so long the device stops and disarms by itself. A device of a protocol older than
     /// 1.3 knows no lease and is armed without one.
     ArmFor(Duration),
+    /// The same, but the mute pin stays low until the device is disarmed: drives sound at the DAC's output alone.
+    Bench(Duration),
     /// Ramp to silence and mute.
     Disarm,
     /// Start a drive, a chord or a comb.
@@ -61,6 +64,14 @@ pub enum Request {
     WriteProfile(Box<Option<ActuatorProfile>>),
     /// Restart into the ROM bootloader (both steps). Only when disarmed; where a profile is kept only with the button as for one.
     Bootloader,
+    /// Read the mute pin back, or measure how long it takes to go low; [`DeviceView::mute_pin`](crate::snapshot::DeviceView::mute_pin)
+    /// has the answer. A trial disarms the device.
+    MutePin(MuteTrial),
+    /// Read again what the device finds on its board and how many blocks its inputs have lost; [`DeviceView::board`](crate::snapshot::DeviceView::board)
+    /// and [`DeviceView::inputs`](crate::snapshot::DeviceView::inputs) have the answers.
+    ReadBoard,
+    /// Read the device's clocks at one moment; [`DeviceView::clock`](crate::snapshot::DeviceView::clock) has the answer.
+    ReadClock,
     /// Read the status now.
     Refresh,
     /// Set whether a lost device is looked for, and a missing port waited for.
@@ -80,6 +91,7 @@ impl Request {
             Self::Connect(_) => "connect",
             Self::Disconnect => "disconnect",
             Self::Arm | Self::ArmFor(_) => "arm",
+            Self::Bench(_) => "bench",
             Self::Disarm => "disarm",
             Self::Play(_) => "play",
             Self::Listen(_) => "listen",
@@ -95,6 +107,9 @@ impl Request {
             Self::Forget => "forget",
             Self::WriteProfile(_) => "write profile",
             Self::Bootloader => "enter bootloader",
+            Self::MutePin(_) => "mute pin",
+            Self::ReadBoard => "board",
+            Self::ReadClock => "clocks",
             Self::Refresh => "status",
             Self::AutoReconnect(_) => "reconnect switch",
             Self::Observe => "observe",

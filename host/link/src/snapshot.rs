@@ -10,7 +10,7 @@ use crate::table::DeviceTable;
 use crate::trace::TracedFrame;
 use crate::upkeep;
 use slipline_protocol::Command;
-use slipline_protocol::board::BoardReport;
+use slipline_protocol::board::{Analogue, BoardReport, ClockReport, MutePin};
 use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::{
     AcceptedUntil, Fault, Faults, Identity, Maintenance, ProfileReport, State, Status, TableReport,
@@ -150,6 +150,12 @@ pub struct DeviceView {
     pub compatibility: Option<Compatibility>,
     /// What it has found on its board, while connected; `None` with a protocol older than 1.3. Read at the start.
     pub board: Option<BoardReport>,
+    /// What it has found of its analogue supply, while connected; `None` with a protocol older than 1.3. Read at the start.
+    pub analogue: Option<Analogue>,
+    /// Its mute pin, as it was read last ([`Request::MutePin`](crate::Request::MutePin)); `None` before that.
+    pub mute_pin: Option<MutePin>,
+    /// Its clocks, as they were read last ([`Request::ReadClock`](crate::Request::ReadClock)); `None` before that.
+    pub clock: Option<ClockReport>,
     /// The capabilities of its inputs, while connected; `None` with a protocol older than 1.3. Read at the start.
     pub inputs: Option<InputsReport>,
     /// The profile of its actuator, while connected; `None` with a protocol older than 1.3. Read at the start and after each write.
@@ -305,6 +311,14 @@ impl Snapshot {
         let block_s = f64::from(identity.block) / f64::from(identity.sample_rate_hz);
         (board.core_hz > 0)
             .then(|| f64::from(status.counters.max_cycles) / (f64::from(board.core_hz) * block_s))
+    }
+
+    /// The share of full scale within which the DAC's output is linear, 0 to 1; 1 where the device does not report it: with a protocol
+    /// older than 1.3.
+    #[must_use]
+    pub fn linear_share(&self) -> f64 {
+        let reported = self.device.analogue.map_or(0, |it| it.linear_per_mille);
+        if (1..1000).contains(&reported) { f64::from(reported) / 1e3 } else { 1.0 }
     }
 
     /// The travel limit with the lower resonance, of the session's and the profile's that the device enforces: it

@@ -1,6 +1,6 @@
 //! Texts about a device's [`Maintenance`] and inputs, for the person who maintains it.
 
-use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
+use slipline_protocol::board::{Analogue, BoardReport, MuteResistor, StopInput, UserButton};
 use slipline_protocol::event::{Maintenance, StoredConfig, Wear};
 use slipline_protocol::listen::InputsReport;
 
@@ -106,6 +106,72 @@ pub const fn muted_for_good(board: &BoardReport) -> Option<&'static str> {
              restarted with the resistor in its place (firmware/BOARDS.md).",
         ),
     }
+}
+
+/// The reference voltage VREF+, in words; `None` where the device has not measured it.
+///
+/// ```
+/// use slipline_link::protocol::board::Analogue;
+/// use slipline_link::upkeep::{linear_output, reference};
+///
+/// let analogue = Analogue { reference_mv: 3297, linear_per_mille: 880, ..Analogue::default() };
+/// assert_eq!(reference(&analogue).as_deref(), Some("3.30 V"));
+/// assert_eq!(linear_output(&analogue), "up to 88 % of full scale");
+/// ```
+#[must_use]
+pub fn reference(analogue: &Analogue) -> Option<String> {
+    (analogue.reference_mv > 0).then(|| format!("{:.2} V", f64::from(analogue.reference_mv) / 1e3))
+}
+
+/// The share of full scale within which the DAC's output is linear, in words.
+#[must_use]
+pub fn linear_output(analogue: &Analogue) -> String {
+    format!("up to {} % of full scale", f64::from(analogue.linear_per_mille) / 10.0)
+}
+
+/// The caution that a drive's sum of tones is beyond the linear share of the DAC's output, both as shares of full scale.
+///
+/// ```
+/// use slipline_link::upkeep::beyond_linear;
+///
+/// let caution = beyond_linear(0.95, 0.88);
+/// assert!(caution.starts_with("The tones add up to 95 % of full scale, and the DAC's output is linear up to 88 %"));
+/// ```
+#[must_use]
+pub fn beyond_linear(sum: f64, share: f64) -> String {
+    format!(
+        "The tones add up to {:.0} % of full scale, and the DAC's output is linear up to {:.0} %: their peaks may be flattened, \
+         which adds tones that no one asked for. Lower the master level by {:.1} dB.",
+        100.0 * sum,
+        100.0 * share,
+        20.0 * (sum / share).log10()
+    )
+}
+
+/// The reference voltage within which DAC and ADC work as the boards' page says, in mV.
+pub const REFERENCE_MV: (u16, u16) = (2900, 3400);
+
+/// The warning that the reference voltage of DAC and ADC is wrong, if the device has measured it and it is.
+///
+/// ```
+/// use slipline_link::protocol::board::Analogue;
+/// use slipline_link::upkeep::wrong_reference;
+///
+/// let at = |reference_mv| wrong_reference(&Analogue { reference_mv, ..Analogue::default() });
+/// assert_eq!((at(0), at(2900), at(3400)), (None, None, None));
+/// assert!(at(2700).unwrap().starts_with("The reference voltage VREF+ is 2.70 V"));
+/// ```
+#[must_use]
+pub fn wrong_reference(analogue: &Analogue) -> Option<String> {
+    let (lowest, highest) = REFERENCE_MV;
+    let is_wrong = analogue.reference_mv > 0 && !(lowest..=highest).contains(&analogue.reference_mv);
+    is_wrong.then(|| {
+        let [is, from, to] = [analogue.reference_mv, lowest, highest].map(|mv| f64::from(mv) / 1000.0);
+        format!(
+            "The reference voltage VREF+ is {is:.2} V, not between {from} and {to} V. Every level and every measured code \
+             is wrong by the same factor: check the board's supply (firmware/BOARDS.md)."
+        )
+    })
 }
 
 /// What is damaged in the device's flash, and the cure; `profile` is the result of reading the actuator's profile, if the device

@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Iterator, Sequence
 from numpy.typing import ArrayLike
 from os import PathLike
 from slipline._rest import Rest
-from slipline.results import Calibration, Check, Design, Drive, Field, Merit, PortInfo, Profile, Result, Results, Simulation, Status, Sweep, Table, Texture, Trim, Verification
+from slipline.results import Calibration, Check, Design, Drive, Field, Merit, PortInfo, Profile, Result, Results, Selftest, Simulation, Status, Sweep, Table, Texture, Trim, Verification
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
 __all__ = ["VERSION", "Device", "Measurement", "Plate", "_Study", "connect", "design", "ports", "presets"]
@@ -145,6 +145,14 @@ class Device:
     def sample_rate_hz(self, /) -> int:
         """
         Samples of the device's DAC per second.
+        """
+    def selftest(self, /, *, sensor_wire: bool = False, trigger_wire: bool = False, amplifier_unplugged: bool = False, short: bool = False) -> Selftest:
+        """
+        Tests the board by itself, as ``slipline selftest``, with its amplifier muted, and leaves it disarmed.
+
+        ``sensor_wire``: a wire leads from the DAC's pin to the sensor's; ``trigger_wire``: one leads from the trigger output to the
+        trigger input. ``amplifier_unplugged`` permits the step that takes the mute pin high, and ``short`` takes three seconds. The
+        result has ``passed`` and ``steps``, each with ``verdict``: a step without its wire is ``"skipped"``.
         """
     def sequence(self, /, drives: Any, *, timeout: SupportsFloat | SupportsIndex | None = None) -> list[Drive]:
         """

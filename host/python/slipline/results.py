@@ -38,6 +38,9 @@ __all__ = [
     "ProfileTravel",
     "Result",
     "Results",
+    "Selftest",
+    "SelftestReading",
+    "SelftestStep",
     "Simulation",
     "SimulationFeeling",
     "SimulationTone",
@@ -690,6 +693,57 @@ class Verification(Result):
     windows: Results[VerificationWindow]
 
 
+class SelftestReading(Result):
+    """One of ``readings`` of a result."""
+
+    at_least: float | None
+    """The lowest allowed number; None without such a limit; in ``value_unit``."""
+    at_most: float | None
+    """The highest allowed number; None without such a limit; in ``value_unit``."""
+    quantity: str
+    """What was measured."""
+    value: float
+    """The number; in ``value_unit``."""
+    value_unit: str
+    """Unit of ``value`` and of its limits; empty for a pure number or a count."""
+
+
+class SelftestStep(Result):
+    """One of ``steps`` of a result."""
+
+    _nested = {"readings": "SelftestReading"}
+
+    name: str
+    """Name."""
+    readings: Results[SelftestReading]
+    sentence: str
+    """What the result means; of a skipped step, what is missing."""
+    verdict: str
+    """green, amber, red, or skipped where the step is not shown."""
+
+
+class Selftest(Result):
+    """The report of a board's self-test."""
+
+    _nested = {"steps": "SelftestStep"}
+
+    board: str
+    """The board."""
+    build: str
+    """The firmware's build."""
+    codes_crc: str | None
+    """CRC-32 over the digests of the compared codes, eight hexadecimal digits; None where none were compared."""
+    firmware: str
+    """Version of the firmware."""
+    passed: bool
+    """Whether no step is red."""
+    simulated: bool
+    """Whether the device is simulated."""
+    steps: Results[SelftestStep]
+    unit: str
+    """Number of this device."""
+
+
 class StatusCounters(Result):
     """``counters`` of a result."""
 
@@ -774,6 +828,8 @@ class Status(Result):
     heat: float | None
     """Estimated heat of the actuator, over its limit."""
     inputs: StatusInputs | None
+    linear_share: float | None
+    """Share of full scale within which the DAC's output is linear; None where it is not reported."""
     max_knots: int | None
     """Most knots of a table."""
     max_tones: int | None
@@ -792,6 +848,8 @@ class Status(Result):
     """Name of the actuator's profile; None if the device keeps none."""
     protocol: str | None
     """Version of the device's protocol."""
+    reference_v: float | None
+    """Reference voltage of DAC and ADC; None where it is not measured; V."""
     reset: str | None
     """Cause of the device's last reset."""
     round_trip_s: float | None

@@ -5,8 +5,8 @@ use super::failure::Failure;
 use super::rig::PortArgument;
 use super::{
     calibrate, check, completions, design, drive, figures, images, info, manual, measure, merit, output,
-    page, presets, profile, progress, record, respond, serve, simulate, study, sweep, table, texture, trim,
-    udev, verify, watch,
+    page, presets, profile, progress, record, respond, selftest, serve, simulate, study, sweep, table,
+    texture, trim, udev, verify, watch,
 };
 use crate::signals;
 use clap::{CommandFactory as _, Parser, Subcommand};
@@ -18,12 +18,13 @@ const EXIT_CODES: &str = "\
 Defaults of --port and --plate: the option, else SLIPLINE_PORT and SLIPLINE_PLATE of the environment, else port and plate of \
 the settings file, else sim and membrane. slipline info shows them, each with its source, and the settings file's place.
 
-Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was \
-checked has red lights. Ctrl-C, SIGTERM and SIGHUP stop and disarm the device, and then end the program as they end any other; \
+Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate or the board \
+that was checked has red lights. Ctrl-C, SIGTERM and SIGHUP stop and disarm the device, and then end the program as they end any other; \
 serve, page and watch, which nothing else ends, end with 0.
 
 A file named - is standard input or standard output; ./- is a file of this name.";
 const CHECK_EXIT_CODES: &str = "Exit code: 0 no light is red; 3 some are, the last line gives their number; for 1 and 2 see slipline --help.";
+const SELFTEST_EXIT_CODES: &str = "Exit code: 0 no step is red; 3 some are, the last line gives their number; for 1 and 2 see slipline --help.";
 const DESIGN_EXIT_CODES: &str = "Exit code: 0 designed, also where lights are red: they are printed, and slipline check of the plate ends with 3; for 1 and 2 see slipline --help.";
 
 /// Drag the boundary on a tapered plate. With no command, the app opens its window.
@@ -90,6 +91,9 @@ pub enum Command {
     Record(record::RecordArguments),
     /// Compare a device's own digest of its DAC codes with the mirror's.
     Verify(verify::VerifyArguments),
+    /// Test a board by itself, with a wire or two: clocks, supply, mute pin, converters, codes, link. Its amplifier stays muted.
+    #[command(after_help = SELFTEST_EXIT_CODES)]
+    Selftest(selftest::SelftestArguments),
     /// Offer the simulated device to other programs, in real time, until it is interrupted.
     Serve(serve::ServeArguments),
     /// Offer the window as a page to the browsers of this computer, until it is interrupted.
@@ -181,6 +185,7 @@ impl Command {
             Self::Simulate(arguments) => simulate::run(&arguments, json),
             Self::Record(arguments) => record::run(&arguments, json),
             Self::Verify(arguments) => verify::run(&arguments, json),
+            Self::Selftest(arguments) => selftest::run(&arguments, json),
             Self::Serve(arguments) => serve::run(&arguments, json),
             Self::Page(arguments) => page::run(&arguments, json),
             Self::Check(arguments) => check::run(&arguments, json),

@@ -10,6 +10,7 @@ use slipline_instrument::native::{ArmingConsent, Client, ClientError};
 use slipline_instrument::rig::PreparedRig;
 use slipline_link::DeviceTable;
 use slipline_link::Port;
+use slipline_link::simulator::Options;
 use slipline_plate::Plate;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -59,6 +60,14 @@ impl Device {
     /// Connects to a device that is observed only, which arms nothing.
     pub(super) fn observe(port: &Port, rig: Option<&PreparedRig>) -> Result<Self, Failure> {
         let client = Client::new(rig)?;
+        let ending = signals::stop_before_end(client.handle());
+        client.observe(port)?;
+        Ok(Self { client, _ending: ending })
+    }
+
+    /// The same, with a simulated device of these options.
+    pub(super) fn observe_simulating(port: &Port, options: Options) -> Result<Self, Failure> {
+        let client = Client::simulating(options)?;
         let ending = signals::stop_before_end(client.handle());
         client.observe(port)?;
         Ok(Self { client, _ending: ending })

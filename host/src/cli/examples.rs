@@ -34,6 +34,13 @@ pub const EXAMPLES: &[(&str, &[&str])] = &[
     ),
     ("record", &["slipline record --plate membrane --turning-point 120mm --for 500ms --out codes.wav"]),
     ("verify", &["slipline verify --port sim --tones 4 --window 50ms"]),
+    (
+        "selftest",
+        &[
+            "slipline selftest --port sim --wire dac=sensor --wire trigger=trigger-in --short --out test.json",
+            "slipline selftest --judge test.json",
+        ],
+    ),
     ("serve", &["slipline serve --socket slipline.sock --plate membrane"]),
     ("page", &["slipline page --folder target/page"]),
     ("check", &["slipline check --plate membrane --turning-point 120mm"]),

@@ -62,6 +62,11 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         if let Some(it) = &snapshot.device.wear {
             lines.push(("Profile's flash erased", upkeep::profile_wear(it)));
         }
+        if let Some(it) = &snapshot.device.analogue {
+            lines.extend(upkeep::reference(it).map(|text| ("Reference voltage", text)));
+            lines.push(("Linear output", upkeep::linear_output(it)));
+            lines.extend(upkeep::wrong_reference(it).map(|warning| ("Warning", warning)));
+        }
         if let Some(it) = &snapshot.device.board {
             lines.extend(upkeep::user_button(it).map(|state| ("User button", state.to_owned())));
             lines.extend(upkeep::stop_input(it).map(|state| ("Stop input", state.to_owned())));

@@ -1,7 +1,7 @@
 //! The command line: every use of Slipline except the window.
 //!
 //! JSON numbers are SI and their names end in the unit. Exit codes: 0 done; 1 failed; 2 bad usage or a bad
-//! file (the message names it and the allowed range); 3 `check` is done and found red lights. A signal ends the
+//! file (the message names it and the allowed range); 3 `check` or `selftest` is done and found red lights. A signal ends the
 //! program by itself. Existing files are replaced with `--force` only.
 
 mod argument;
@@ -48,6 +48,7 @@ mod renamed;
 mod respond;
 mod rig;
 mod schema;
+mod selftest;
 mod sensor_places;
 mod serve;
 mod setup_source;

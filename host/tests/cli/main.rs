@@ -26,6 +26,7 @@ mod progress;
 mod recordings;
 mod refusals;
 mod renamed;
+mod selftest;
 #[cfg(unix)]
 mod serve;
 #[cfg(unix)]

@@ -69,6 +69,8 @@ pub enum Dialog {
     Diagnostics,
     /// The calibration.
     Calibrate,
+    /// The board's test of itself.
+    Selftest,
     /// A path to be typed, on a system without a file dialog.
     Path(PathQuestion),
     /// An action with a real effect must be confirmed.

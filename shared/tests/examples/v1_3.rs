@@ -2,7 +2,10 @@
 
 use super::Example;
 use heapless::Vec;
-use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
+use slipline_protocol::board::{
+    Analogue, BoardReport, ClockReport, MuteFall, MutePin, MuteResistor, MuteStep, MuteTrial, PinLevel,
+    StopInput, UsbFrame, UserButton,
+};
 use slipline_protocol::command::{Apply, ArmLease, Comb, CombTone, ProfileSetting};
 use slipline_protocol::event::{
     AcceptedUntil, Fault, Faults, ProfileReport, State, Status, StoredConfig, Wear,
@@ -60,6 +63,13 @@ pub(crate) fn commands() -> std::vec::Vec<Example<Command>> {
         ("board", Command::Board),
         ("profile", Command::Profile),
         ("wear", Command::Wear),
+        ("analogue", Command::Analogue),
+        ("mute-pin", Command::MutePin(MuteStep { trial: MuteTrial::Read })),
+        ("mute-pin-lapse", Command::MutePin(MuteStep { trial: MuteTrial::Lapse })),
+        ("mute-pin-break", Command::MutePin(MuteStep { trial: MuteTrial::Break })),
+        ("clock", Command::Clock),
+        ("bench", Command::Bench(ArmLease { lease_ms: 60_000 })),
+        ("bench-largest", Command::Bench(ArmLease { lease_ms: u32::MAX })),
         ("write-profile", Command::WriteProfile(ProfileSetting { profile: Some(profile()) })),
         ("write-profile-none", Command::WriteProfile(ProfileSetting { profile: None })),
         ("arm-for", Command::ArmFor(ArmLease { lease_ms: 60_000 })),
@@ -231,6 +241,19 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         stop_input: StopInput::NotInProfile,
         trigger_input: true,
     };
+    let analogue = Analogue {
+        reference_mv: 3302,
+        linear_per_mille: 880,
+        brown_out_level: Some(3),
+        chip: 0x469,
+        revision: 0x2003,
+    };
+    let fall = MuteFall { low_after_us: 4003, within_us: 1 };
+    let clock = ClockReport {
+        at: 256_000,
+        cycles: 107_520_000,
+        usb: Some(UsbFrame { number: 640, cycles: 107_600_000 }),
+    };
     let desk_stop = Status {
         state: State::Fault,
         faults: Faults::NONE.with(Fault::DeskStop),
@@ -260,6 +283,37 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
                 stores_left: u8::MAX,
             })
         ),
+        ("analogue-reply".to_owned(), Event::Analogue(analogue)),
+        ("analogue-reply-none".to_owned(), Event::Analogue(Analogue::default())),
+        (
+            "analogue-reply-largest".to_owned(),
+            Event::Analogue(Analogue {
+                reference_mv: u16::MAX,
+                linear_per_mille: u16::MAX,
+                brown_out_level: Some(u8::MAX),
+                chip: u16::MAX,
+                revision: u16::MAX,
+            })
+        ),
+        (
+            "mute-pin-reply".to_owned(),
+            Event::MutePin(MutePin { level: PinLevel::Low, is_on_bench: true, fall: None })
+        ),
+        ("mute-pin-reply-none".to_owned(), Event::MutePin(MutePin::default())),
+        (
+            "mute-pin-reply-fall".to_owned(),
+            Event::MutePin(MutePin { level: PinLevel::High, is_on_bench: false, fall: Some(fall) })
+        ),
+        ("clock-reply".to_owned(), Event::Clock(clock)),
+        (
+            "clock-reply-largest".to_owned(),
+            Event::Clock(ClockReport {
+                at: u64::MAX,
+                cycles: u32::MAX,
+                usb: Some(UsbFrame { number: u16::MAX, cycles: u32::MAX }),
+            })
+        ),
+        ("clock-reply-none".to_owned(), Event::Clock(ClockReport { usb: None, ..clock })),
         ("status-reply-fault-10".to_owned(), Event::Status(desk_stop)),
         (
             "status-reply-fault-11".to_owned(),

@@ -8,6 +8,8 @@ when anyone looks (`settle`).
 """
 MID = 2048
 REQUEST = "ADC1"
+# VREFINT: 1.18 to 1.24 V on the three chips.
+INTERNAL_VOLTS = 1.21
 
 
 class DualAdc:
@@ -18,10 +20,14 @@ class DualAdc:
         self.at_pins = lambda: (MID, MID)
         # A fault: triggers have no effect.
         self.is_stuck = False
+        # VREF+.
+        self.reference_volts = 3.3
         self.reset()
 
     def reset(self):
         self.ready_at, self.held = None, (0, 0)
+        # When a conversion of VREFINT is over that the program has started; None without one.
+        self.internal_at = None
         self.data = 0
         # The DMA has not taken the last word yet; it has been overwritten.
         self.waits = self.is_overrun = False
@@ -74,6 +80,23 @@ class DualAdc:
     def forget(self):
         """The program clears overrun and request."""
         self.waits = self.is_overrun = False
+
+    # --- the internal reference
+
+    def convert_internal(self, cycles, hz, sampling_seconds):
+        """One conversion of VREFINT, by the program: `cycles` of sampling and the rest of the conversion."""
+        sampling, rest = cycles
+        assert sampling / hz >= sampling_seconds, "VREFINT is sampled for too short a time"
+        self.internal_at = self.board.now + (sampling + rest) / hz * self.board.CORE_HZ
+
+    def has_internal(self):
+        return self.internal_at is not None and self.internal_at <= self.board.now
+
+    def take_internal(self, full_scale):
+        """DR: its code, which clears EOC."""
+        assert self.has_internal(), "DR is read before the end of a conversion"
+        self.internal_at = None
+        return round(full_scale * INTERNAL_VOLTS / self.reference_volts)
 
     def check_pins(self, channels):
         """The channels that both convert: two different pins, and no digital input on them."""

@@ -8,6 +8,7 @@ import struct
 from unicorn import UC_HOOK_MEM_WRITE
 from unicorn.arm_const import UC_ARM_REG_PC, UC_ARM_REG_PRIMASK
 
+from .adc import INTERNAL_VOLTS
 from .image import Idle, Image
 from .nvic import Nvic
 from .processor import PowerCut, Processor
@@ -23,6 +24,8 @@ class Board(Processor):
     CPU_MODEL = CORE_HZ = FLASH_START = STACK = SYSTEM_MEMORY = UNIQUE_ID = None
     # Address: size, of everything that is memory; which of it is RAM; and the address ranges of the peripherals.
     MEMORIES, RAMS, PERIPHERALS = {}, (), ()
+    # Where the factory has written VREFINT's code, its full scale, and VREF+ then.
+    INTERNAL_REFERENCE = None
     # The core's registers that differ from chip to chip after a reset.
     CORE_REGISTERS = {}
     # The registers of the memory protection unit.
@@ -41,6 +44,8 @@ class Board(Processor):
         loaded = Image(image) if image else Idle(self.FLASH_START, sum(self.STACK))
         super().__init__(loaded)
         self.cpu.mem_write(self.UNIQUE_ID, b"SLIPLINE-VB1")
+        address, full_scale, volts = self.INTERNAL_REFERENCE
+        self.cpu.mem_write(address, struct.pack("<H", round(full_scale * INTERNAL_VOLTS / volts)))
         # The ROM bootloader: a vector table and an endless loop.
         self.cpu.mem_write(self.SYSTEM_MEMORY, struct.pack("<II", self.RAMS[-1] + 0x1000, self.SYSTEM_MEMORY + 0x101))
         self.cpu.mem_write(self.SYSTEM_MEMORY + 0x100, b"\xfe\xe7")

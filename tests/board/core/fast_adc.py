@@ -3,7 +3,8 @@ modelled: to use one is a failure, and so is an order of writes that the manuals
 """
 from core.adc import DualAdc
 
-ISR, CR, CFGR, SMPR1, SMPR2, SQR1, CSR, CCR, CDR = 0x00, 0x08, 0x0C, 0x14, 0x18, 0x30, 0x300, 0x308, 0x30C
+ISR, CR, CFGR, SMPR1, SMPR2, SQR1, DR, CSR, CCR, CDR = 0x00, 0x08, 0x0C, 0x14, 0x18, 0x30, 0x40, 0x300, 0x308, 0x30C
+CONNECTED = 1 << 22
 SECOND = 0x100
 READY, EOC, EOS, OVERRUN = 1 << 0, 1 << 2, 1 << 3, 1 << 4
 ON, START, STOP, REGULATOR, ASLEEP, CALIBRATE = 1 << 0, 1 << 2, 1 << 4, 1 << 28, 1 << 29, 1 << 31
@@ -16,6 +17,8 @@ class FastAdc(DualAdc):
     # What a chip has besides: registers and their values after a reset; EXTSEL's place in CFGR; cycles of the ADC of the
     # latency, the sampling times and the conversion.
     OWN, SELECT, LATENCY, SAMPLING, CONVERSION = {}, (0, 0), 0, (), 0
+    # The channel of VREFINT, how long it is to be sampled, and the full scale of its codes.
+    INTERNAL, INTERNAL_SECONDS, FULL_SCALE = None, 0.0, 4095
 
     def reset(self):
         super().reset()
@@ -52,6 +55,14 @@ class FastAdc(DualAdc):
 
     def requests(self):
         return self.is_paired()
+
+    def start_by_program(self):
+        """One conversion of VREFINT by the first of the ADCs, in independent mode."""
+        assert self.common & CONNECTED and not self.registers[0, CFGR] & EDGE, "only the simultaneous mode, and VREFINT alone, are modelled"
+        assert self.is_ready(0), "an ADC is started before it is ready"
+        assert self.channel(0) == self.INTERNAL and self.registers[0, SQR1] & 0b1111 == 0, "one conversion of VREFINT"
+        sampling = self.SAMPLING[self.registers[0, SMPR2] >> 3 * (self.INTERNAL - 10) & 7]
+        self.convert_internal((sampling, self.CONVERSION), self.hz(), self.INTERNAL_SECONDS)
 
     def start(self):
         """Both wait for the trigger."""
@@ -100,7 +111,10 @@ class FastAdc(DualAdc):
             self.waits = False
             return self.data
         if register == ISR:
-            return (READY if self.is_ready(adc) else 0) | (OVERRUN if self.is_overrun else 0)
+            end = EOC if not adc and self.has_internal() else 0
+            return (READY if self.is_ready(adc) else 0) | (OVERRUN if self.is_overrun else 0) | end
+        if offset == DR:
+            return self.take_internal(self.FULL_SCALE)
         assert (adc, register) in self.registers, f"the ADCs have no modelled register {offset:#x} that can be read"
         if register == CR and self.registers[adc, CR] & CALIBRATE:
             self.wait_for_calibration(adc)
@@ -152,7 +166,11 @@ class FastAdc(DualAdc):
         value |= was & (ON | START | CALIBRATE)
         if asked & START:
             assert adc == 0, "the master starts both"
-            self.start()
+            if self.common & 0b11111:
+                self.start()
+            else:
+                self.start_by_program()
+                value &= ~START
         if asked & STOP:
             assert was & START, "nothing is to be stopped"
             self.master = self.ready_at = None

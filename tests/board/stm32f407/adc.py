@@ -1,5 +1,5 @@
-"""The F407's ADC1 and ADC2 in dual regular simultaneous mode (RM0090 chapter 13, DS8626 Rev 12 table 67). ADC3 is not
-modelled, and no other mode is: to use one is a failure."""
+"""The F407's ADC1 and ADC2 in dual regular simultaneous mode (RM0090 chapter 13, DS8626 Rev 12 table 67), and a conversion of
+VREFINT by the program before that. ADC3 is not modelled, and no other mode is: to use one is a failure."""
 from core.adc import DualAdc
 
 BASE = 0x40012000
@@ -14,6 +14,8 @@ LATENCY, CONVERSION, STABLE_SECONDS, FASTEST_HZ = 2, 12, 3e-6, 36e6
 TRIGGERS = {0b0110: 2, 0b1000: 3, 0b1110: 8}
 # Channels 0 to 9 are the same pins for both (DS8626 table 7).
 CHANNELS = {**{channel: f"PA{channel}" for channel in range(8)}, 8: "PB0", 9: "PB1"}
+# VREFINT is ADC1's channel 17, sampled for 10 us or more (DS8626 table 75).
+INTERNAL, CONNECTED, END, INTERNAL_SECONDS = 17, 1 << 23, 1 << 1, 10e-6
 # ADC2's clock: APB2ENR (RM0090 7.3.14).
 APB2ENR, SECOND_CLOCK = 0x44, 1 << 9
 
@@ -37,6 +39,17 @@ class F407Adc(DualAdc):
 
     def cycles(self):
         return self.duration
+
+    def start_by_program(self):
+        """SWSTART of ADC1: VREFINT alone, in independent mode."""
+        control = self.registers[0, CR2]
+        assert control & ON and self.stable_at[0] <= self.board.now, "the ADC is not stable yet (tSTAB)"
+        assert self.common & CONNECTED and not self.common & 0b11111 and not control & EDGE, "only the simultaneous mode, and VREFINT alone, are modelled"
+        assert self.registers[0, SQR3] & 31 == INTERNAL and not self.registers[0, SQR1], "one conversion of VREFINT"
+        hz = self.board.clocks.frequencies.apb[2] / DIVIDERS[self.common >> 16 & 3]
+        assert hz <= FASTEST_HZ, f"the ADCs run at {hz / 1e6} MHz"
+        sampling = SAMPLING[self.registers[0, SMPR1] >> 3 * (INTERNAL - 10) & 7]
+        self.convert_internal((sampling, CONVERSION), hz, INTERNAL_SECONDS)
 
     def prepare(self):
         """Works out what the registers mean; fails if they do not mean the mode that is modelled."""
@@ -67,6 +80,8 @@ class F407Adc(DualAdc):
             return (OVERRUN | OVERRUN << 8) if self.is_overrun else 0
         if offset in (CCR, CDR):
             return self.common if offset == CCR else self.data
+        if offset in (SR, DR):
+            return (END if self.has_internal() else 0) if offset == SR else self.take_internal(4095)
         key = offset & SECOND, offset & 0xFF
         assert key in self.registers, f"the ADCs have no modelled register {offset:#x} that can be read"
         return self.registers[key]
@@ -87,5 +102,8 @@ class F407Adc(DualAdc):
             assert is_clocked, "a write to ADC2, whose clock is off"
             if register == CR2 and value & ON and not self.registers[adc, CR2] & ON:
                 self.stable_at[bool(adc)] = self.board.now + STABLE_SECONDS * self.board.CORE_HZ
-            self.registers[adc, register] = value
+            self.registers[adc, register] = value & ~(SOFTWARE_START if register == CR2 else 0)
+            if register == CR2 and value & SOFTWARE_START:
+                assert not adc, "ADC2 is started by the program"
+                self.start_by_program()
         self.prepare()

@@ -18,6 +18,7 @@ FASTEST_HZ, CALIBRATION_CYCLES = 52e6, 116
 class G474Adc(FastAdc):
     OWN, SELECT = {0x0C: CFGR_AFTER_RESET}, (5, 31)
     # Of CKMODE = 11.
+    INTERNAL, INTERNAL_SECONDS = 18, 4e-6
     LATENCY, SAMPLING, CONVERSION = 2.125, (2.5, 6.5, 12.5, 24.5, 47.5, 92.5, 247.5, 640.5), 12.5
 
     def __init__(self, board):

@@ -1,7 +1,8 @@
-"""The H743's ADC1 and ADC2, of revision Y (RM0433, DS12110 Rev 10, ADC characteristics)."""
+"""The H743's ADC1 and ADC2, of revision Y (RM0433, DS12110 Rev 10, ADC characteristics). ADC3, which only converts VREFINT, is
+another one of the same, without its second."""
 from core.fast_adc import CFGR, FastAdc
 
-BASE = 0x40022000
+BASE, BASE_3 = 0x40022000, 0x58026000
 PCSEL = 0x1C
 # EXTSEL of ADC1 to ADC3: the timer whose TRGO it is (adc_ext_trg). The others are compare events.
 TRIGGERS = {4: 3, 7: 8, 9: 1, 11: 2, 12: 4, 13: 6, 14: 15}
@@ -17,6 +18,7 @@ OFFSET_CYCLES, LINEAR_CYCLES = 1280, 165_010
 class H743Adc(FastAdc):
     OWN, SELECT = {PCSEL: 0, CFGR: 1 << 31}, (5, 31)
     # Without the bus's clock.
+    INTERNAL, INTERNAL_SECONDS, FULL_SCALE = 19, 4.3e-6, 65535
     LATENCY, SAMPLING, CONVERSION = 3, (1.5, 2.5, 8.5, 16.5, 32.5, 64.5, 387.5, 810.5), 6.5
 
     def __init__(self, board):

@@ -93,6 +93,7 @@ class Board(board.Board):
     # The stack has the lowest 32 KiB of the DTCM (memory/h743zi.x).
     FLASH_START, STACK = flash.START, (DTCM, 1 << 15)
     SYSTEM_MEMORY, UNIQUE_ID = 0x1FF09800, 0x1FF1E800
+    INTERNAL_REFERENCE = 0x1FF1E860, 65535, 3.3
     MEMORIES = {ITCM: 1 << 16, flash.START: flash.SIZE, DTCM: 1 << 17, AXI: 1 << 19, 0x1FF00000: 1 << 17}
     RAMS = (ITCM, AXI, DTCM)
     PERIPHERALS = (0x40000000, 0x51000000, 0x52000000, 0x58000000, 0x5C000000, 0xE0000000)
@@ -121,16 +122,17 @@ class Board(board.Board):
         bases = {1: 0x40020000, 2: 0x40020400}
         self.dma = {n: dma_streams.Streams(self, base, DMA_IRQS[n], reaches) for n, base in bases.items()}
         self.adc = adc.H743Adc(self)
+        self.adc3 = adc.H743Adc(self)
         self.dma[1].settle = self.adc.settle
         self.mux = dmamux.Dmamux()
         self.watchdog = watchdog.Watchdog(self)
         self.debug = debug.Debug(self, REVISION_Y, FREEZES)
-        self.others = self.mux, self.system, self.interconnect
+        self.others = self.mux, self.system, self.interconnect, self.adc3
         self.pages = {each.base: each for each in (*self.timers.values(), *self.dma.values())}
         self.pages |= {0x58020000 + 0x400 * i: port for i, port in enumerate(self.pins.ports.values())}
         self.pages |= {
             RCC: self.clocks, flash.BASE: self.flash, 0x58024800: self.power, 0x58000400: self.system,
-            0x58000000: self.exti, 0x40007400: self.dac, adc.BASE: self.adc, 0x58004800: self.watchdog, 0x5C001000: self.debug,
+            0x58000000: self.exti, 0x40007400: self.dac, adc.BASE: self.adc, adc.BASE_3: self.adc3, 0x58004800: self.watchdog, 0x5C001000: self.debug,
             0x40020800: self.mux, INTERCONNECT: self.interconnect,
         }  # fmt: skip
 

@@ -31,7 +31,7 @@ def enables():
     pages |= {0x58020000 + 0x400 * port: (AHB4, port) for port in range(11)}
     pages |= {0x40000000 + 0x400 * timer: (APB1L, timer) for timer in range(9)}
     pages |= {0x40007400: (APB1L, 29), 0x40008400: (APB1H, 1), 0x58000400: (APB4, 1)}
-    pages |= {0x40010000: (APB2, 0), 0x40010400: (APB2, 1), 0x40022000: (AHB1, 5)}
+    pages |= {0x40010000: (APB2, 0), 0x40010400: (APB2, 1), 0x40022000: (AHB1, 5), 0x58026000: (AHB4, 24)}
     return pages | {0x40014000: (APB2, 16), 0x40014400: (APB2, 17), 0x40014800: (APB2, 18)}
 
 

@@ -24,29 +24,38 @@ const LEADS: [u64; 6] = [0, 1, 2, 4, 16, LONGEST_LEAD];
 const LONGEST_LEAD: u64 = 64;
 
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
-    pub(super) fn arm<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
+    /// `on_bench`: the amplifier stays muted.
+    pub(super) fn arm<M: RawMutex>(
+        &mut self,
+        on_bench: bool,
+        mailbox: &Mailbox<M>,
+    ) -> Result<SampleIndex, Refusal> {
         if self.is_stopped_on_the_desk() {
             mailbox.latch(Fault::DeskStop);
         }
         let view = mailbox.view();
         self.refuse_if_unfit(view.faults)?;
         if view.armed {
+            if mailbox.is_on_bench() != on_bench {
+                return Err(Refusal::Armed);
+            }
             return Ok(view.ready_at.max(view.next));
         }
         // Only a table swap can be pending while disarmed, and it makes no sound.
         if !view.report.silent || view.stopping {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
-        Ok(mailbox.arm())
+        Ok(if on_bench { mailbox.bench() } else { mailbox.arm() })
     }
 
     pub(super) fn arm_for<M: RawMutex>(
         &mut self,
         ArmLease { lease_ms }: ArmLease,
+        on_bench: bool,
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         within(Field::Lease, limits::LEASE_MS, lease_ms)?;
-        let ready = self.arm(mailbox)?;
+        let ready = self.arm(on_bench, mailbox)?;
         // In an armed device only the lease restarts: the longest drive counts from the user's own drive.
         mailbox.lease(self.timing.samples(lease_ms));
         Ok(ready)

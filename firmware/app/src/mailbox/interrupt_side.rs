@@ -52,6 +52,7 @@ impl<M: RawMutex> Mailbox<M> {
                 listens,
                 stop: shared.stop.take(),
                 armed: shared.armed.get(),
+                on_bench: shared.is_on_bench(),
                 ready_at: shared.ready_at.get(),
                 fed_at: shared.fed_at.get(),
                 lease_ends: shared.lease_ends.get(),

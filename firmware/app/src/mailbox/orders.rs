@@ -19,6 +19,8 @@ pub struct Orders {
     pub stop: Option<Stop>,
     /// Whether drives are accepted.
     pub armed: bool,
+    /// Whether they are while the amplifier stays muted.
+    pub on_bench: bool,
     /// Silence is guaranteed up to this index after arming.
     pub ready_at: SampleIndex,
     /// The index of the last keep-alive.

@@ -38,6 +38,8 @@ pub(super) struct Shared {
     /// Where the last stop at once takes effect.
     pub(super) stopped_at: Cell<SampleIndex>,
     pub(super) armed: Cell<bool>,
+    /// Whether the amplifier stays muted while the device is armed.
+    pub(super) on_bench: Cell<bool>,
     pub(super) ready_at: Cell<SampleIndex>,
     pub(super) fed_at: Cell<SampleIndex>,
     /// Where the user's last drive began, or the device was armed.
@@ -94,6 +96,7 @@ impl Shared {
             may_revise: Cell::new(false),
             stopped_at: Cell::new(0),
             armed: Cell::new(false),
+            on_bench: Cell::new(false),
             ready_at: Cell::new(0),
             fed_at: Cell::new(0),
             drive_began: Cell::new(0),
@@ -111,6 +114,11 @@ impl Shared {
     /// The outline of the motion in force.
     pub(super) fn outline(&self) -> Outline {
         self.live.get().of(&self.outlines).get()
+    }
+
+    /// Whether the device is armed with the amplifier muted.
+    pub(super) fn is_on_bench(&self) -> bool {
+        self.armed.get() && self.on_bench.get()
     }
 
     /// Whether what is pending waits for the trigger input.

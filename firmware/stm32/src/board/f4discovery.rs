@@ -162,6 +162,9 @@ pub(crate) fn take(p: Peripherals) -> Board {
     // PA4 is also the word select of the board's audio codec. PD4 low keeps that chip in reset, so it does not disturb
     // the pin. `forget`, because an `Output` that is dropped makes its pin an input again.
     core::mem::forget(Output::new(p.PD4, Level::Low, Speed::Low));
+    // The switch that would feed the USB socket from the board, for a device in it (UM1472: PC0, active low). Here a host
+    // feeds it.
+    core::mem::forget(Output::new(p.PC0, Level::High, Speed::Low));
     Board {
         // PB1 is free on this board's headers. The wiring has a resistor to ground on it (BOARDS.md).
         unmute: MutedPin::take(p.PB1),
@@ -223,9 +226,21 @@ pub(crate) fn take_reset_flags() -> ResetFlags {
 /// FLASH_OPTCR.BOR_LEV (RM0090 3.9.9): 00 is level 3, reset below 2.83 V until 2.92 V (2.97 V at most, which this
 /// board's supply may never reach); 01 is level 2, 2.50 V and 2.59 V (DS8626 table 19). Both are accepted. Chips leave
 /// the factory with 11, off.
-pub(crate) fn is_brown_out_guarded() -> bool {
-    pac::FLASH.optcr().read().bor_lev() <= 0b01
+pub(crate) fn brown_out_level() -> u8 {
+    3 - pac::FLASH.optcr().read().bor_lev()
 }
+pub(crate) const BROWN_OUT_LEVEL: u8 = 2;
+
+/// The chip's device id and its revision (DBGMCU_IDCODE, RM0090 38.6.1).
+pub(crate) fn chip() -> (u16, u16) {
+    let identity = pac::DBGMCU.idcode().read();
+    (identity.dev_id(), identity.rev_id())
+}
+
+/// The buffered DAC is linear from 0.2 V to VDDA - 0.2 V (DS8626, DAC characteristics): 1.3 V of the half swing of 1.5 V.
+pub(crate) const LINEAR_PER_MILLE: u16 = 870;
+/// VREFINT_CAL, and the VDDA at which the factory measured it, in mV (DS8626, internal reference voltage calibration values).
+pub(crate) const REFERENCE_CALIBRATION: (usize, u32) = (0x1fff_7a2a, 3300);
 
 /// PWR_CR.PLS = 100: the supply detector trips at 2.66 V and releases at 2.76 V (DS8626 table 19). This board feeds its
 /// chip with 2.9 to 3.0 V, too near to the next levels: 101 releases at 2.93 V, 110 at 3.03 V. A detector that has

@@ -311,8 +311,46 @@ pub(crate) fn take_reset_flags() -> ResetFlags {
 }
 
 /// FLASH_OPTR.BOR_LEV: 100 is level 4, reset below 2.8 V (RM0440 3.7.8); chips leave the factory with 000, 1.7 V.
-pub(crate) fn is_brown_out_guarded() -> bool {
-    pac::FLASH.optr().read().bor_lev() == 0b100
+pub(crate) fn brown_out_level() -> u8 {
+    pac::FLASH.optr().read().bor_lev()
+}
+pub(crate) const BROWN_OUT_LEVEL: u8 = 4;
+
+/// The chip's device id and its revision (DBGMCU_IDCODE, RM0440 47.6.1).
+pub(crate) fn chip() -> (u16, u16) {
+    let identity = pac::DBGMCU.idcode().read();
+    // 12 bits; stm32-metapac 21 has 16 of them.
+    (identity.dev_id() & 0xfff, identity.rev_id())
+}
+
+/// The buffered DAC is linear from 0.2 V to VREF+ - 0.2 V (DS12288, DAC characteristics): 1.45 V of the half swing of 1.65 V.
+pub(crate) const LINEAR_PER_MILLE: u16 = 880;
+
+/// The internal reference VREFINT is channel 18 of ADC1 (RM0440, ADC connectivity).
+pub(crate) const REFERENCE_ADC: Adc = pac::ADC1;
+pub(crate) const REFERENCE_CHANNEL: u8 = 18;
+/// VREFINT_CAL, and the VREF+ at which the factory measured it, in mV (DS12288, internal voltage reference calibration values).
+pub(crate) const REFERENCE_CALIBRATION: (usize, u32) = (0x1fff_75aa, 3000);
+
+/// ADC1's clock as `tune_adcs` sets it, on its own, with the reference connected: its buffer is up within 12 us, less than the
+/// regulator takes (DS12288, embedded internal voltage reference).
+pub(crate) fn start_reference() {
+    rcc::enable_and_reset::<peripherals::ADC1>();
+    pac::ADC12_COMMON.ccr().write(|w| {
+        w.set_ckmode(Ckmode::SYNC_DIV4);
+        w.set_vrefen(true);
+    });
+}
+
+/// 640.5 cycles of 42.5 MHz are 15 us, of which the reference wants 4 (DS12288).
+pub(crate) fn tune_reference(adc: Adc, channel: u8) {
+    adc.smpr2().write(|w| w.set_smp(usize::from(channel) - 10, SampleTime::CYCLES640_5));
+}
+
+/// The clock is off again, so that `sense` resets both ADCs before they serve the inputs: embassy-stm32 0.6 counts who uses the
+/// clock that they share, and resets for the first one only.
+pub(crate) fn end_reference() {
+    rcc::disable::<peripherals::ADC1>();
 }
 
 /// PWR_CR2.PLS = 110 (RM0440 6.4.2): the supply detector trips at 2.90 V (DS12288 table 19).

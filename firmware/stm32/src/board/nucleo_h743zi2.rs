@@ -248,6 +248,9 @@ pub(crate) fn tune_flash() {
 }
 
 pub(crate) fn take(p: Peripherals) -> Board {
+    // The switch that would feed the USB socket from the board, for a device in it (UM2407: PD10, active high). Here a host feeds
+    // it. PC0 is A1, the shunt's input, on this board.
+    core::mem::forget(Output::new(p.PD10, Level::Low, Speed::Low));
     Board {
         // PE9, D6 on the Arduino header. The wiring has a resistor to ground on it (BOARDS.md).
         unmute: MutedPin::take(p.PE9),
@@ -309,8 +312,49 @@ pub(crate) fn take_reset_flags() -> ResetFlags {
 
 /// FLASH_OPTSR_CUR.BOR_LEV: 11 is level 3, reset below 2.61 V until 2.70 V (DS12110 table 27); chips leave the factory
 /// with 00, off.
-pub(crate) fn is_brown_out_guarded() -> bool {
-    pac::FLASH.optsr_cur().read().bor_lev() == 0b11
+pub(crate) fn brown_out_level() -> u8 {
+    pac::FLASH.optsr_cur().read().bor_lev()
+}
+pub(crate) const BROWN_OUT_LEVEL: u8 = 3;
+
+/// The chip's device id and its revision (DBGMCU_IDC, RM0433).
+pub(crate) fn chip() -> (u16, u16) {
+    let identity = pac::DBGMCU.idc().read();
+    (identity.dev_id(), identity.rev_id())
+}
+
+/// The buffered DAC is linear from 0.2 V to VDDA - 0.2 V (DS12110, DAC characteristics): 1.45 V of the half swing of 1.65 V.
+pub(crate) const LINEAR_PER_MILLE: u16 = 880;
+
+/// The internal reference VREFINT is channel 19 of ADC3 (RM0433, ADC connectivity), which serves no input.
+pub(crate) const REFERENCE_ADC: Adc = pac::ADC3;
+pub(crate) const REFERENCE_CHANNEL: u8 = 19;
+/// VREFINT_CAL, of 16 bits as the ADC's codes after a reset, and the VREF+ at which the factory measured it, in mV (DS12110,
+/// internal reference voltage calibration values).
+pub(crate) const REFERENCE_CALIBRATION: (usize, u32) = (0x1ff1_e860, 3300);
+
+/// ADC3's clock, and the reference connected. 48 MHz / 4 are 12 MHz in revision Y, 6 MHz after the fixed 2 of later ones: neither
+/// needs BOOST.
+pub(crate) fn start_reference() {
+    rcc::enable_and_reset::<peripherals::ADC3>();
+    pac::ADC3_COMMON.ccr().write(|w| {
+        w.set_ckmode(Ckmode::ASYNCHRONOUS);
+        w.set_presc(Presc::DIV4);
+        w.set_vrefen(true);
+    });
+}
+
+/// 387.5 cycles are 32 us or more, of which the reference wants 4.3 (DS12110). The calibration of the conversion's steps would take
+/// 14 ms; it is left out, since one part in a hundred is enough here.
+pub(crate) fn tune_reference(adc: Adc, channel: u8) {
+    adc.pcsel().write(|w| w.set_pcsel(channel.into(), Pcsel::PRESELECTED));
+    adc.smpr(1).write(|w| w.set_smp(usize::from(channel) - 10, SampleTime::CYCLES387_5));
+}
+
+/// ADC3 is off again: a reset leaves it in deep power-down.
+pub(crate) fn end_reference() {
+    rcc::enable_and_reset::<peripherals::ADC3>();
+    rcc::disable::<peripherals::ADC3>();
 }
 
 /// PWR_CR1.PLS = 110: the supply detector trips at 2.76 V (DS12110 table 27).

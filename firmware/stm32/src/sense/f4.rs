@@ -58,6 +58,32 @@ pub(super) fn set_up() {
     cortex_m::asm::delay(board::CORE_HZ / 300_000);
 }
 
+/// The channel of the internal reference VREFINT, of ADC1 alone (RM0090 13.10).
+const REFERENCE_CHANNEL: u8 = 17;
+/// Looks at the end of its conversion: 492 cycles of 14 MHz, 35 us. A look takes 10 cycles of the core or more.
+const LOOKS: u32 = 5000;
+
+/// The code of the chip's internal reference; `None` if the ADC does not answer. Before [`set_up`].
+pub(super) fn reference_code() -> Option<u16> {
+    rcc::enable_and_reset::<peripherals::ADC1>();
+    ADC123_COMMON.ccr().write(|w| {
+        w.set_adcpre(Adcpre::DIV6);
+        w.set_tsvrefe(true);
+    });
+    // 34 us, of which the reference wants 10 (DS8626, embedded internal reference voltage).
+    ADC1.smpr1().write(|w| w.set_smp(usize::from(REFERENCE_CHANNEL) - 10, SampleTime::CYCLES480));
+    ADC1.sqr3().write(|w| w.set_sq(0, REFERENCE_CHANNEL));
+    ADC1.cr2().write(|w| w.set_adon(true));
+    // The reference is up within 10 us, the ADC (tSTAB) within 3.
+    cortex_m::asm::delay(board::CORE_HZ / 50_000);
+    ADC1.cr2().modify(|w| w.set_swstart(true));
+    let code = (0..LOOKS).find(|_| ADC1.sr().read().eoc()).map(|_| ADC1.dr().read().data());
+    // embassy-stm32 0.6 knows no reset of this chip's ADCs: `set_up` writes the other registers as a whole.
+    ADC1.cr2().write(|_| {});
+    ADC1.smpr1().write(|_| {});
+    code
+}
+
 /// One conversion of one channel, 12 bits, to the right: what a reset leaves in CR1 and SQR1.
 fn set_up_one(adc: Adc, channel: u8) {
     // Channels 0 to 9.

@@ -43,13 +43,35 @@ pub(super) fn set_up() {
 }
 
 fn set_up_one(adc: Adc, channel: u8) {
+    switch_on(adc, channel, board::tune_adc);
+}
+
+/// The code of the chip's internal reference; `None` if its ADC does not answer. Before [`set_up`]. The second of two conversions
+/// counts: one that comes late after a calibration may be wrong (ES0430 2.7.7).
+pub(super) fn reference_code() -> Option<u16> {
+    board::start_reference();
+    let adc = board::REFERENCE_ADC;
+    switch_on(adc, board::REFERENCE_CHANNEL, board::tune_reference);
+    let mut code = None;
+    for _ in 0..2 {
+        adc.cr().modify(|w| w.set_adstart(true));
+        // 80 us at most.
+        wait(CALIBRATION_LOOKS, || adc.isr().read().eoc());
+        code = adc.isr().read().eoc().then(|| adc.dr().read().rdata());
+    }
+    board::end_reference();
+    code
+}
+
+/// Calibrates an ADC and switches it on, for one channel, as `tune` sets it up.
+fn switch_on(adc: Adc, channel: u8, tune: fn(Adc, u8)) {
     adc.cr().modify(|w| w.set_deeppwd(false));
     adc.cr().modify(|w| w.set_advregen(true));
     // The regulator's start: at most 20 us (DS12288 table 66; 10 us, DS12110).
     cortex_m::asm::delay(board::CORE_HZ / 50_000);
     // One conversion of one channel.
     adc.sqr1().write(|w| w.set_sq(0, channel));
-    board::tune_adc(adc, channel);
+    tune(adc, channel);
     adc.cr().modify(|w| w.set_adcaldif(Adcaldif::SINGLE_ENDED));
     adc.cr().modify(|w| w.set_adcal(true));
     wait(CALIBRATION_LOOKS, || !adc.cr().read().adcal());

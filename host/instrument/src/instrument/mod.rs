@@ -42,7 +42,7 @@ pub use screen::Screen;
 pub use shell::{Attention, Link, Output, Page};
 pub use shown::{
     Asked, AskedContent, AskedTable, Awaited, Background, CalibrateScene, DesignState, HoldScene, LiveScene,
-    MeasureScene, Progress, Shown, TextureScene, Waiting,
+    MeasureScene, Progress, SelftestScene, Shown, TextureScene, Waiting,
 };
 pub use tour::{TourScene, TourStep};
 pub use work::Jobs;

@@ -6,8 +6,9 @@ use crate::calibration::CalibrationWizard;
 use crate::concern::{self, Concern, Concerns};
 use crate::hold::{Holding, Standing};
 use crate::jobs::calibrate::{CalibrationResult, Refused};
-use crate::measure::{PlayedSweep, Signal};
+use crate::measure::{PlayedSweep, Prompt, Signal};
 use crate::measured_file::ForeignMetadata;
+use crate::selftest::{SelftestReport, SelftestRequest};
 use slipline_link::Snapshot;
 use slipline_model::field::felt::Felt;
 use slipline_model::field::line::Line;
@@ -81,6 +82,8 @@ pub struct Shown<'a> {
     pub texture: TextureScene<'a>,
     /// The page of measurements.
     pub measure: MeasureScene<'a>,
+    /// The page of the self-test.
+    pub selftest: SelftestScene<'a>,
     /// The level hold.
     pub hold: HoldScene<'a>,
     /// The calibration under way.
@@ -286,6 +289,21 @@ impl<'a> MeasureScene<'a> {
     pub fn comparison(&self) -> Option<&'a Comparison> {
         self.compared?.ok()
     }
+}
+
+/// The page of the board's self-test.
+#[derive(Clone, Copy)]
+pub struct SelftestScene<'a> {
+    /// What it is to do.
+    pub request: SelftestRequest,
+    /// How far it is, while it is under way.
+    pub progress: Option<Progress>,
+    /// What a person at the board is asked to do.
+    pub prompt: Option<Prompt>,
+    /// The report of the latest one.
+    pub report: Option<&'a SelftestReport>,
+    /// Why the latest one gave no report.
+    pub failed: Option<&'a str>,
 }
 
 /// The level hold.

@@ -2,16 +2,22 @@
 
 use super::codes::Codes;
 use super::error::MeasureError;
+use super::prompt::Prompt;
 use super::setback::ended_by;
+use slipline_link::protocol::event::State as DeviceState;
+use slipline_link::protocol::limits::LEASE_MS;
 use slipline_link::{DeviceTable, Outcome, Request, Snapshot};
 use std::cell::{RefCell, RefMut};
 use std::future::poll_fn;
 use std::rc::Rc;
 use std::sync::Arc;
 use std::task::Poll;
+use std::time::Duration;
 
 /// Status requests to the device, at most, until the codes that it has played are known.
 const LOOKS: u32 = 400;
+/// The longest lease: a procedure on the bench ends by itself.
+const LEASE: Duration = Duration::from_millis(LEASE_MS.1 as u64);
 
 /// One procedure's dialogue with a device. Clones share it.
 #[derive(Clone, Default)]
@@ -33,6 +39,15 @@ pub(super) struct State {
     pub(super) is_checking: bool,
     /// Whether the last request was a stop and has been carried out.
     pub(super) is_silent: bool,
+    /// The procedure has armed the device by itself: it is disarmed at the end.
+    pub(super) is_armed: bool,
+    /// Faults of the device do not end the procedure, which looks at them itself.
+    pub(super) bears_faults: bool,
+    /// What a person is asked to do.
+    pub(super) prompt: Option<Prompt>,
+    /// The link's latest snapshot, of a procedure that looks at it, and the slowest answer in one of them.
+    seen: Option<Snapshot>,
+    slowest: Duration,
 }
 
 /// Progress of a procedure, in samples.
@@ -54,7 +69,7 @@ impl Default for Progress {
 
 impl Dialogue {
     /// Sends a request and returns its outcome.
-    pub(super) async fn ask(&self, request: Request) -> Outcome {
+    pub(crate) async fn ask(&self, request: Request) -> Outcome {
         {
             let mut state = self.0.borrow_mut();
             (state.asked, state.is_silent) = (Some(request), false);
@@ -64,18 +79,18 @@ impl Dialogue {
 
     /// Sends a request and returns the sample index at which its effect begins. Any outcome except done is an
     /// error.
-    pub(super) async fn done(&self, request: Request) -> Result<u64, MeasureError> {
+    pub(crate) async fn done(&self, request: Request) -> Result<u64, MeasureError> {
         let outcome = self.ask(request).await;
         if let Outcome::Done { at } = outcome { Ok(at) } else { Err(ended_by(&outcome)) }
     }
 
     /// Sends a request whose outcome is awaited by [`ended`](Self::ended), while other requests are sent.
-    pub(super) fn begin(&self, request: Request) {
+    pub(crate) fn begin(&self, request: Request) {
         self.0.borrow_mut().begun = Some(request);
     }
 
     /// The outcome of the request that was begun last; `None` if there is none by the time the device has passed this sample.
-    pub(super) async fn ended(&self, sample: u64) -> Result<Option<Outcome>, MeasureError> {
+    pub(crate) async fn ended(&self, sample: u64) -> Result<Option<Outcome>, MeasureError> {
         loop {
             let ended = self.0.borrow_mut().ended.take();
             if ended.is_some() || self.now() > sample {
@@ -86,15 +101,61 @@ impl Dialogue {
     }
 
     /// Stops the drive.
-    pub(super) async fn stop(&self) -> Result<(), MeasureError> {
+    pub(crate) async fn stop(&self) -> Result<(), MeasureError> {
         self.done(Request::Stop).await?;
         self.0.borrow_mut().is_silent = true;
         Ok(())
     }
 
+    /// Arms the device on the bench, where its amplifier stays muted, or with `unmutes` as for a drive; disarms it before. It is
+    /// disarmed at the end, also after an error.
+    pub(crate) async fn arm(&self, unmutes: bool) -> Result<u64, MeasureError> {
+        self.disarm().await?;
+        self.0.borrow_mut().is_armed = true;
+        self.done(if unmutes { Request::ArmFor(LEASE) } else { Request::Bench(LEASE) }).await
+    }
+
+    /// Disarms the device, and waits until it is silent and muted.
+    pub(crate) async fn disarm(&self) -> Result<(), MeasureError> {
+        self.done(Request::Disarm).await?;
+        self.0.borrow_mut().is_armed = false;
+        let is_stopping = |snapshot: &Snapshot| {
+            snapshot.drive.status.is_some_and(|status| {
+                !matches!(status.state, DeviceState::Idle | DeviceState::Fault | DeviceState::SafeMode)
+            })
+        };
+        for _ in 0..LOOKS {
+            self.done(Request::Refresh).await?;
+            if !self.seen(is_stopping).unwrap_or_default() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Faults of the device end the procedure no more; the link's snapshots are kept for [`seen`](Self::seen).
+    pub(crate) fn bear_faults(&self) {
+        self.0.borrow_mut().bears_faults = true;
+    }
+
+    /// Asks a person, or no more.
+    pub(crate) fn prompt(&self, prompt: Option<Prompt>) {
+        self.0.borrow_mut().prompt = prompt;
+    }
+
+    /// What this reads in the link's latest snapshot; `None` before [`bear_faults`](Self::bear_faults).
+    pub(crate) fn seen<T>(&self, read: impl FnOnce(&Snapshot) -> T) -> Option<T> {
+        self.0.borrow().seen.as_ref().map(read)
+    }
+
+    /// The slowest answer that was seen since [`bear_faults`](Self::bear_faults).
+    pub(crate) fn slowest(&self) -> Duration {
+        self.0.borrow().slowest
+    }
+
     /// Uploads another table, which is replaced by the device's own at the end; returns the sample index from
     /// which it is in force.
-    pub(super) async fn lend(
+    pub(crate) async fn lend(
         &self,
         table: &Arc<DeviceTable>,
         own: &Arc<DeviceTable>,
@@ -104,7 +165,7 @@ impl Dialogue {
     }
 
     /// Waits until the device has passed a sample.
-    pub(super) async fn past(&self, sample: u64) -> Result<(), MeasureError> {
+    pub(crate) async fn past(&self, sample: u64) -> Result<(), MeasureError> {
         while self.now() <= sample {
             self.done(Request::Refresh).await?;
         }
@@ -112,7 +173,7 @@ impl Dialogue {
     }
 
     /// The codes that the device plays from a sample on; waits until they are known.
-    pub(super) async fn codes(&self, from: u64, count: u64) -> Result<Vec<u16>, MeasureError> {
+    pub(crate) async fn codes(&self, from: u64, count: u64) -> Result<Vec<u16>, MeasureError> {
         let mut looks = 0;
         loop {
             if let Some(codes) = self.0.borrow().codes.as_ref().and_then(|codes| codes.played(from, count)) {
@@ -127,18 +188,18 @@ impl Dialogue {
     }
 
     /// The device's sample index in its last status.
-    pub(super) fn now(&self) -> u64 {
+    pub(crate) fn now(&self) -> u64 {
         self.0.borrow().now
     }
 
     /// Starts a replay of the device's codes; the latest `samples` codes are kept.
-    pub(super) fn replay(&self, samples: u64) {
+    pub(crate) fn replay(&self, samples: u64) {
         self.0.borrow_mut().codes = Some(Codes::new(samples));
     }
 
     /// Sets the progress: `done` of `all` samples; `running` has the first sample and the number of samples
     /// of the present step.
-    pub(super) fn mark(&self, done: u64, all: u64, running: Option<(u64, u64)>) {
+    pub(crate) fn mark(&self, done: u64, all: u64, running: Option<(u64, u64)>) {
         let progress = &mut self.0.borrow_mut().progress;
         *progress = Progress { done, all, running, ..*progress };
     }
@@ -162,6 +223,10 @@ impl Dialogue {
             codes.follow(snapshot);
         }
         state.now = snapshot.drive.status.map_or(state.now, |status| status.now);
+        if state.bears_faults {
+            state.slowest = state.slowest.max(snapshot.link.round_trip.last);
+            state.seen = Some(snapshot.clone());
+        }
     }
 
     /// The share that is done, 0 to 1, when the device is at sample `now`.

@@ -23,6 +23,7 @@ mod loudness;
 mod measuring;
 mod plan;
 mod procedure;
+mod prompt;
 mod remaining;
 mod setback;
 mod signal;
@@ -38,8 +39,9 @@ pub use error::MeasureError;
 pub use measuring::Measuring;
 pub use plan::{Comb, LEVEL, POINTS, Plan, SETTLED, Wanted};
 pub use procedure::{NextStep, Procedure, Run};
+pub use prompt::Prompt;
 pub(crate) use remaining::remaining_samples;
-pub(crate) use setback::is_late;
+pub(crate) use setback::{ended_by, is_late};
 pub use signal::Signal;
 pub use sweep::{
     Chirp, HeardError, HeardSweep, PLAYED_BYTES_MAX, PlayedFileError, PlayedSweep, Playing, QUIETER, SWEEP_S,

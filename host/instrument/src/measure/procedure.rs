@@ -3,6 +3,7 @@
 
 use super::dialogue::Dialogue;
 use super::error::MeasureError;
+use super::prompt::Prompt;
 use super::setback::ended_by;
 use slipline_link::{LinkState, Outcome, Request, Snapshot, Ticket};
 use std::pin::Pin;
@@ -44,6 +45,8 @@ enum Stage {
     Running,
     /// After an error: the drive is stopped.
     Stopping,
+    /// A device that the procedure has armed by itself is disarmed.
+    Disarming,
     /// The device gets its own table back, if it may hold another.
     Restoring,
     Ended,
@@ -129,19 +132,23 @@ impl<P: Procedure> Run<P> {
                 Poll::Pending => {}
                 Poll::Ready(Ok(heard)) => {
                     self.heard = Some(heard);
-                    self.stage = Stage::Restoring;
+                    self.stage = Stage::Disarming;
                 }
                 Poll::Ready(Err(error)) => {
                     self.fail(error);
                     if self.dialogue.state().is_silent {
-                        self.stage = Stage::Restoring;
+                        self.stage = Stage::Disarming;
                     }
                 }
             }
         }
+        if self.stage == Stage::Disarming && !std::mem::take(&mut self.dialogue.state().is_armed) {
+            self.stage = Stage::Restoring;
+        }
         let request = match self.stage {
             Stage::Running => self.dialogue.state().asked.take(),
             Stage::Stopping => Some(Request::Stop),
+            Stage::Disarming => Some(Request::Disarm),
             Stage::Restoring => self.dialogue.state().own_table.take().map(Request::Upload),
             Stage::Ended => None,
         };
@@ -161,7 +168,8 @@ impl<P: Procedure> Run<P> {
         }
         match self.stage {
             Stage::Running => self.dialogue.state().outcome = Some(outcome.clone()),
-            Stage::Stopping => self.stage = Stage::Restoring,
+            Stage::Stopping => self.stage = Stage::Disarming,
+            Stage::Disarming => self.stage = Stage::Restoring,
             Stage::Restoring => {
                 if !matches!(outcome, Outcome::Done { .. }) {
                     self.error.get_or_insert(ended_by(outcome));
@@ -176,7 +184,9 @@ impl<P: Procedure> Run<P> {
     /// end, since a fault explains why the tones were stopped.
     pub fn watch(&mut self, snapshot: &Snapshot) {
         self.dialogue.follow(snapshot);
-        let faults = snapshot.drive.status.map(|status| status.faults).filter(|faults| !faults.is_empty());
+        let bears_faults = self.dialogue.state().bears_faults;
+        let faults = snapshot.drive.status.map(|status| status.faults);
+        let faults = faults.filter(|faults| !faults.is_empty() && !bears_faults);
         let fault = faults.map(|faults| MeasureError::Fault(faults.to_string()));
         if let (Some(MeasureError::Stopped), Some(fault)) = (&self.error, &fault) {
             self.error = Some(fault.clone());
@@ -204,8 +214,14 @@ impl<P: Procedure> Run<P> {
     /// The share that is done (0 to 1), when the device is at sample `now`.
     #[must_use]
     pub fn progress(&self, now: u64) -> f64 {
-        let is_over = matches!(self.stage, Stage::Restoring | Stage::Ended);
+        let is_over = matches!(self.stage, Stage::Disarming | Stage::Restoring | Stage::Ended);
         if is_over { 1.0 } else { self.dialogue.progress(now) }
+    }
+
+    /// What a person at the board is asked to do.
+    #[must_use]
+    pub fn prompt(&self) -> Option<Prompt> {
+        self.dialogue.state().prompt
     }
 
     /// Whether the drive is being checked.

@@ -40,7 +40,7 @@ impl Tries {
 }
 
 /// The error for an outcome after which a procedure cannot continue.
-pub(super) fn ended_by(outcome: &Outcome) -> MeasureError {
+pub(crate) fn ended_by(outcome: &Outcome) -> MeasureError {
     match outcome {
         Outcome::Refused(refusal) => MeasureError::Refused(refusal.clone()),
         Outcome::DeviceTooOld => MeasureError::TooOld,

@@ -9,6 +9,7 @@ use slipline_link::native::{Handle, SystemOpener, Worker};
 use slipline_link::protocol::event::{Identity, State};
 use slipline_link::protocol::profile::ActuatorProfile;
 use slipline_link::protocol::version::Compatibility;
+use slipline_link::simulator::Options;
 use slipline_link::{Outcome, Port, Request, Snapshot, Sounding, Ticket};
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -107,6 +108,14 @@ impl Client {
     /// [`ClientError::Thread`].
     pub fn new(rig: Option<&PreparedRig>) -> Result<Self, ClientError> {
         Ok(Self::over(wired(rig)?))
+    }
+
+    /// As [`Client::new`], with a simulated device of these options, for example with wires between its pins.
+    ///
+    /// # Errors
+    /// [`ClientError::Thread`].
+    pub fn simulating(options: Options) -> Result<Self, ClientError> {
+        Ok(Self::over(Worker::spawn_with(SystemOpener::with_options(options), || ())?))
     }
 
     /// A handle of the link, for another thread.
@@ -274,10 +283,15 @@ impl<W: BlockingLink> Client<W> {
     /// # Errors
     /// A request's error: refused, lost, late, held up.
     pub fn arm_for(&self, lease: Option<Duration>) -> Result<(), ClientError> {
+        self.attend();
+        self.perform(lease.map_or(Request::Arm, Request::ArmFor)).map(drop)
+    }
+
+    /// From now on this program must not be held up ([`Client::check_attended`]).
+    pub(super) fn attend(&self) {
         let snapshot = self.snapshot();
         self.stalls_before.store(snapshot.link.driver_stalls, Ordering::Relaxed);
         self.leases_before.store(snapshot.drive.leases_over, Ordering::Relaxed);
-        self.perform(lease.map_or(Request::Arm, Request::ArmFor)).map(drop)
     }
 
     /// Disarms the device, and waits until its output has faded: the device can be armed in silence only.

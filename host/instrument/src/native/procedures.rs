@@ -2,7 +2,8 @@
 
 use super::ClientError;
 use super::client::{BlockingLink, Client, GLANCE};
-use crate::measure::{MeasureError, Procedure, Run, Verified, Verifying};
+use crate::measure::{MeasureError, Procedure, Prompt, Run, Verified, Verifying};
+use crate::selftest::{SelftestReport, SelftestRequest, Selftesting};
 use slipline_link::protocol::limits::LEASE_MS;
 use slipline_plate::Plate;
 use std::time::Duration;
@@ -16,9 +17,13 @@ impl<W: BlockingLink> Client<W> {
     ///
     /// # Errors
     /// [`ClientError::Procedure`], [`ClientError::StoppedByCall`], [`ClientError::Stopped`] and a request's errors.
-    pub fn run<P: Procedure>(&self, procedure: P, watch: impl FnMut(f64)) -> Result<P::Found, ClientError> {
+    pub fn run<P: Procedure>(
+        &self,
+        procedure: P,
+        mut watch: impl FnMut(f64),
+    ) -> Result<P::Found, ClientError> {
         self.arm_for(Some(LONGEST_LEASE))?;
-        let found = self.run_armed(procedure, watch);
+        let found = self.carry_out(procedure, |share, _| watch(share));
         if found.is_err() {
             // The reason is the procedure's; a device that is gone stops by itself.
             let _ = self.disarm();
@@ -28,10 +33,11 @@ impl<W: BlockingLink> Client<W> {
         found
     }
 
-    fn run_armed<P: Procedure>(
+    /// Runs a procedure to its end. `watch` receives the progress, 0 to 1, and what a person is asked.
+    fn carry_out<P: Procedure>(
         &self,
         procedure: P,
-        mut watch: impl FnMut(f64),
+        mut watch: impl FnMut(f64, Option<Prompt>),
     ) -> Result<P::Found, ClientError> {
         let stops = self.stops();
         let mut run = Run::of(procedure);
@@ -62,7 +68,7 @@ impl<W: BlockingLink> Client<W> {
             if !goes_on {
                 break;
             }
-            watch(run.progress(snapshot.drive.status.map_or(0, |status| status.now)));
+            watch(run.progress(snapshot.drive.status.map_or(0, |status| status.now)), run.prompt());
             if let Some(ticket) = run.awaited() {
                 let _ = self.link().wait(ticket, GLANCE);
             }
@@ -76,6 +82,20 @@ impl<W: BlockingLink> Client<W> {
             self.check_faults()?;
         }
         Ok(found?)
+    }
+
+    /// Tests the board, which is disarmed then, with its mute pin low except where the request says that the amplifier is unplugged.
+    /// `watch` receives the progress, 0 to 1, and what a person is asked.
+    ///
+    /// # Errors
+    /// Those of [`Client::run`]; what the board does not do is in the report.
+    pub fn selftest(
+        &self,
+        request: SelftestRequest,
+        watch: impl FnMut(f64, Option<Prompt>),
+    ) -> Result<SelftestReport, ClientError> {
+        self.attend();
+        self.carry_out(Selftesting::new(request), watch)
     }
 
     /// Arms the device, which holds the table of this plate, plays this number of tones, 1 to 16, and compares the codes of

@@ -120,6 +120,12 @@ impl CommandQueue {
             Event::Wear(reported) => recorder.take(task.ticket, |it| it.wear(reported)),
             Event::Profile(reported) => recorder.take(task.ticket, |it| it.profile(reported)),
             Event::Board(reported) => recorder.take(task.ticket, |it| it.board(reported)),
+            Event::Analogue(reported) => recorder.take(task.ticket, |it| it.analogue(reported)),
+            Event::MutePin(reported) => {
+                recorder.take(task.ticket, |it| it.mute_pin(reported));
+                self.status_stale = true;
+            }
+            Event::Clock(reported) => recorder.take(task.ticket, |it| it.clock(reported)),
             Event::Table(report) => {
                 recorder.table(report);
                 let now_at = recorder.view.drive.status.map_or(0, |status| status.now);
@@ -198,7 +204,7 @@ impl CommandQueue {
     ) -> Next {
         match command {
             Command::Arm => recorder.acknowledge(at, Change::Armed),
-            Command::ArmFor(lease) => {
+            Command::ArmFor(lease) | Command::Bench(lease) => {
                 recorder.acknowledge(at, Change::Armed);
                 recorder.begin_lease(lease, at);
             }
@@ -239,6 +245,9 @@ impl CommandQueue {
             | Command::Board
             | Command::Profile
             | Command::Wear
+            | Command::Analogue
+            | Command::MutePin(_)
+            | Command::Clock
             | Command::SetTravelLimit(_)
             | Command::TravelLimit
             | Command::Trigger

@@ -14,6 +14,7 @@ use crate::recorder::Recorder;
 use crate::refusal::Refusal;
 use crate::request::{Outcome, Request, Ticket};
 use slipline_protocol::Command;
+use slipline_protocol::board::MuteStep;
 use slipline_protocol::command::{ArmLease, ProfileSetting};
 use slipline_protocol::listen::{CapturePart, ListenPart};
 use slipline_protocol::units::SampleIndex;
@@ -110,10 +111,16 @@ impl CommandQueue {
             Request::Refresh => return self.status_wanted.push(ticket),
             Request::Bootloader => Job::Send(Command::BootloaderToken),
             Request::Arm => Job::Send(Command::Arm),
-            Request::ArmFor(lease) => {
-                let lease_ms = u32::try_from(lease.as_millis()).unwrap_or(u32::MAX);
-                Job::Send(Command::ArmFor(ArmLease { lease_ms }))
+            Request::ArmFor(lease) => Job::Send(Command::ArmFor(in_ms(lease))),
+            Request::Bench(lease) => Job::Send(Command::Bench(in_ms(lease))),
+            Request::MutePin(trial) => Job::Send(Command::MutePin(MuteStep { trial })),
+            Request::ReadBoard => {
+                if self.channel.is_known(&Command::Inputs) {
+                    self.tasks.push_back(Task::new(None, Job::Send(Command::Inputs)));
+                }
+                Job::Send(Command::Board)
             }
+            Request::ReadClock => Job::Send(Command::Clock),
             Request::Disarm => {
                 self.overtake(recorder, |job| job.yields_to(&Command::Disarm));
                 Job::Send(Command::Disarm)
@@ -350,6 +357,11 @@ impl CommandQueue {
         self.current = Some(Current::Task(Box::new(task)));
         true
     }
+}
+
+/// A lease as the device takes it; longer than it allows is refused there.
+fn in_ms(lease: Duration) -> ArmLease {
+    ArmLease { lease_ms: u32::try_from(lease.as_millis()).unwrap_or(u32::MAX) }
 }
 
 /// Ends a task that cannot be converted to the device's units; the next one may be sent.

@@ -87,9 +87,14 @@ impl CommandQueue {
             self.keep_alive_due = now + KEEP_ALIVE_PERIOD;
             self.channel.keep_alive(now);
             self.tasks.push_front(Task::new(None, Job::FirstReadBack));
-            for command in
-                [Command::Inputs, Command::Profile, Command::Wear, Command::Board, Command::Maintenance]
-            {
+            for command in [
+                Command::Inputs,
+                Command::Analogue,
+                Command::Profile,
+                Command::Wear,
+                Command::Board,
+                Command::Maintenance,
+            ] {
                 if self.channel.is_known(&command) {
                     self.tasks.push_front(Task::new(None, Job::Send(command)));
                 }

@@ -65,7 +65,9 @@ const fn is_undone_by(command: &Command, stop: &Command) -> bool {
     match command {
         // These have jobs of their own; sent as plain commands they would sound, too.
         Command::Drive(_) | Command::Chord(_) | Command::Comb(_) | Command::Hold(_) => true,
-        Command::Arm | Command::ArmFor(_) | Command::ClearFaults => matches!(stop, Command::EmergencyStop),
+        Command::Arm | Command::ArmFor(_) | Command::Bench(_) | Command::ClearFaults => {
+            matches!(stop, Command::EmergencyStop)
+        }
         // They neither sound nor arm.
         Command::Hello(_)
         | Command::KeepAlive(_)
@@ -74,6 +76,9 @@ const fn is_undone_by(command: &Command, stop: &Command) -> bool {
         | Command::Board
         | Command::Profile
         | Command::Wear
+        | Command::Analogue
+        | Command::MutePin(_)
+        | Command::Clock
         | Command::WriteProfile(_)
         | Command::Disarm
         | Command::Stop

@@ -9,7 +9,7 @@ use crate::clock::Clock;
 use crate::error::LinkError;
 use crate::port::{Port, PortInfo};
 #[cfg(feature = "simulator")]
-use crate::simulator::SimulatedInputs;
+use crate::simulator::{Options, SimulatedInputs};
 use crate::transport::{Opener, Waker};
 use std::sync::Arc;
 use std::time::Instant;
@@ -32,7 +32,7 @@ impl Default for SystemOpener {
     fn default() -> Self {
         Self {
             #[cfg(feature = "simulator")]
-            simulated: Simulated::new(None, system_clock()),
+            simulated: Simulated::new(Options::default(), None, system_clock()),
         }
     }
 }
@@ -41,14 +41,20 @@ impl Default for SystemOpener {
 impl SystemOpener {
     /// As the default one, with a simulated device that runs by this clock.
     #[must_use]
-    pub const fn in_time_of(clock: Clock) -> Self {
-        Self { simulated: Simulated::new(None, clock) }
+    pub fn in_time_of(clock: Clock) -> Self {
+        Self { simulated: Simulated::new(Options::default(), None, clock) }
     }
 
     /// As the default one, but its simulated device has the inputs of `wiring`, which is called when the
     /// device is switched on. The sample rate is that of [`Options::default`](crate::simulator::Options).
     pub fn with_inputs(wiring: impl FnMut() -> Box<dyn SimulatedInputs> + Send + 'static) -> Self {
-        Self { simulated: Simulated::new(Some(Box::new(wiring)), system_clock()) }
+        Self { simulated: Simulated::new(Options::default(), Some(Box::new(wiring)), system_clock()) }
+    }
+
+    /// As the default one, with a simulated device of these options, for example with wires between its pins.
+    #[must_use]
+    pub fn with_options(options: Options) -> Self {
+        Self { simulated: Simulated::new(options, None, system_clock()) }
     }
 }
 

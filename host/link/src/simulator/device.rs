@@ -13,10 +13,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Wake, Waker};
 
-use super::inputs::{Inputs, SimulatedInputs};
-use super::peripherals::{MemoryFlash, Peripherals};
+use super::inputs::{Inputs, SimulatedInputs, Wires};
+use super::peripherals::{MemoryFlash, MuteFault, Peripherals};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::BLOCK;
+use slipline_app::dds::bank::code::MID_SCALE;
 use slipline_app::listening::capture::Values;
 use slipline_app::listening::listener::Listener;
 use slipline_app::mailbox::{Mailbox, Pulses};
@@ -26,6 +27,7 @@ use slipline_app::safety::boot::{self, Boot};
 use slipline_app::safety::thermal::Heat;
 use slipline_app::timing::TICK_BLOCKS;
 use slipline_app::{CrashRecord, Device, Link, Renderer, Supervisor, Timing, release};
+use slipline_protocol::board::Analogue;
 use slipline_protocol::event::ResetCause;
 use slipline_protocol::units::SampleIndex;
 
@@ -54,6 +56,12 @@ pub struct Options {
     pub brown_out_guarded: bool,
     /// Whether its mute pin lacks its resistor, so that its amplifier stays muted.
     pub mute_resistor_missing: bool,
+    /// What it reports of its supply. Its DAC's output clips beyond the linear share that stands here.
+    pub analogue: Analogue,
+    /// The wires between its pins.
+    pub wires: Wires,
+    /// What is broken at its mute pin.
+    pub mute_fault: Option<MuteFault>,
     /// Whether a rendered block waits for one block before it plays, as in a board's ring: every command
     /// takes effect a block later, but a stop may begin in the waiting block.
     pub block_waits: bool,
@@ -69,6 +77,9 @@ impl Default for Options {
             unit: *b"simulated-00",
             brown_out_guarded: true,
             mute_resistor_missing: false,
+            analogue: Analogue { reference_mv: 3300, linear_per_mille: 1000, ..Analogue::default() },
+            wires: Wires::default(),
+            mute_fault: None,
             block_waits: false,
         }
     }
@@ -157,7 +168,15 @@ impl SimulatedDevice {
         inputs: Option<Box<dyn SimulatedInputs>>,
     ) -> Self {
         let (guarded, holds) = (options.brown_out_guarded, options.block_waits);
-        let peripherals = Peripherals::new(options.flash.clone(), guarded, holds, inputs.map(Inputs::new));
+        let inputs = Inputs::of(inputs, options.wires.dac_to_sensor);
+        let peripherals = Peripherals::new(options.flash.clone(), guarded, holds, inputs);
+        {
+            let mut state = peripherals.lock();
+            state.mute_resistor_missing = options.mute_resistor_missing;
+            state.mute_fault = options.mute_fault;
+            state.analogue = options.analogue;
+            state.mute();
+        }
         let mailbox = Shared::default();
         let device = Device {
             board: "simulated",
@@ -207,7 +226,6 @@ impl SimulatedDevice {
         };
         // The renderer sets the index before the link reads it.
         device.peripherals.lock().room = device.options.block_waits;
-        device.peripherals.lock().mute_resistor_missing = device.options.mute_resistor_missing;
         poll(&mut device.renderer, &device.waker);
         poll(&mut device.link, &device.waker);
         device
@@ -219,7 +237,7 @@ impl SimulatedDevice {
         let options = Options { flash: self.flash(), first_index: 0, ..self.options.clone() };
         let kept = if cause == ResetCause::PowerOn { None } else { Some(self.kept.clone()) };
         let (boot, kept) = boot::decide(cause, kept);
-        let inputs = self.peripherals.lock().inputs.take().map(Inputs::into_source);
+        let inputs = self.peripherals.lock().inputs.take().and_then(Inputs::into_source);
         *self = Self::start(options, boot, kept, inputs);
     }
 
@@ -254,10 +272,16 @@ impl SimulatedDevice {
             let (sent, begins) = {
                 let mut state = self.peripherals.lock();
                 let sent = state.sent.take();
+                let share = i32::from(self.options.analogue.linear_per_mille);
                 if let (Some(codes), Some(inputs)) = (&sent, &mut state.inputs) {
                     // The renderer receives the input block after its end: at its next turn.
-                    inputs.sample(codes, muted);
+                    if share < 1000 {
+                        inputs.sample(&codes.map(|code| at_pin(code, share)), muted);
+                    } else {
+                        inputs.sample(codes, muted);
+                    }
                 }
+                state.has_risen |= state.rises && self.options.wires.trigger;
                 (sent, std::mem::take(&mut state.rises))
             };
             if let Some(codes) = sent {
@@ -395,6 +419,13 @@ impl SimulatedDevice {
         self.link_frozen = frozen;
         self.poll_link();
     }
+}
+
+/// A code as the DAC's output shows it: linear within this share of the half swing, in per mille, and saturated beyond.
+fn at_pin(code: u16, share: i32) -> u16 {
+    let (mid, half) = (i32::from(MID_SCALE), i32::from(MID_SCALE) * share / 1000);
+    // Between 0 and 4096.
+    (mid + (i32::from(code) - mid).clamp(-half, half)) as u16
 }
 
 fn poll(task: &mut Task, waker: &Waker) {

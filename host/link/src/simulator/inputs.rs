@@ -50,25 +50,39 @@ pub trait SimulatedInputs: Send {
     fn sample(&mut self, codes: &[u16; BLOCK], muted: bool, sensed: &mut [[u16; BLOCK]; INPUTS]);
 }
 
+/// Wires between pins of a simulated device, as a self-test asks for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wires {
+    /// From the DAC to the sensor: it reads the DAC's codes, whatever else its inputs are.
+    pub dac_to_sensor: bool,
+    /// From the trigger output to the trigger input.
+    pub trigger: bool,
+}
+
 /// The inputs, and their sampled blocks.
 pub(super) struct Inputs {
-    source: Box<dyn SimulatedInputs>,
+    source: Option<Box<dyn SimulatedInputs>>,
+    /// Whether a wire leads from the DAC to the sensor's pin.
+    is_wired: bool,
     sampled: VecDeque<Result<[[u16; BLOCK]; INPUTS], Overrun>>,
     /// Number of the following blocks to be lost.
     to_lose: u32,
 }
 
 impl Inputs {
-    pub(super) fn new(source: Box<dyn SimulatedInputs>) -> Self {
-        Self { source, sampled: VecDeque::new(), to_lose: 0 }
+    /// The inputs with these signals, and with a wire from the DAC to the sensor's pin; `None` without either.
+    pub(super) fn of(source: Option<Box<dyn SimulatedInputs>>, is_wired: bool) -> Option<Self> {
+        let is_there = is_wired || source.is_some();
+        is_there.then(|| Self { source, is_wired, sampled: VecDeque::new(), to_lose: 0 })
     }
 
     pub(super) fn inputs(&self) -> usize {
-        self.source.inputs().min(INPUTS)
+        let inputs = self.source.as_ref().map_or(0, |source| source.inputs().min(INPUTS));
+        if self.is_wired { inputs.max(1) } else { inputs }
     }
 
     pub(super) fn delay_ns(&self) -> i32 {
-        self.source.delay_ns()
+        self.source.as_ref().map_or(0, |source| source.delay_ns())
     }
 
     /// Takes the oldest waiting block.
@@ -76,8 +90,8 @@ impl Inputs {
         self.sampled.pop_front()
     }
 
-    /// Returns the source; waiting blocks are dropped.
-    pub(super) fn into_source(self) -> Box<dyn SimulatedInputs> {
+    /// Returns the source, if any; waiting blocks are dropped.
+    pub(super) fn into_source(self) -> Option<Box<dyn SimulatedInputs>> {
         self.source
     }
 
@@ -89,7 +103,12 @@ impl Inputs {
     /// Samples one block while these codes are played.
     pub(super) fn sample(&mut self, codes: &[u16; BLOCK], muted: bool) {
         let mut block = [[0; BLOCK]; INPUTS];
-        self.source.sample(codes, muted, &mut block);
+        if let Some(source) = &mut self.source {
+            source.sample(codes, muted, &mut block);
+        }
+        if self.is_wired {
+            block[0] = *codes;
+        }
         for code in block.as_flattened_mut() {
             *code = (*code).min(4095);
         }

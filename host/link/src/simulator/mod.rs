@@ -7,8 +7,8 @@ mod peripherals;
 pub mod realtime;
 
 pub use device::{Options, SentBlock, SimulatedDevice, WATCHDOG_MS};
-pub use inputs::SimulatedInputs;
-pub use peripherals::MemoryFlash;
+pub use inputs::{SimulatedInputs, Wires};
+pub use peripherals::{MemoryFlash, MuteFault};
 pub use slipline_app::safety::thermal::Heat;
 
 #[cfg(test)]

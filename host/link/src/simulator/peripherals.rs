@@ -15,10 +15,15 @@ use slipline_app::ports::{
 };
 use slipline_app::safety::fade::fade;
 use slipline_app::store::SLOT_BYTES;
-use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
+use slipline_protocol::board::{
+    Analogue, BoardReport, MuteFall, MuteResistor, MuteTrial, PinLevel, StopInput, UserButton,
+};
 
 /// Erase cycles of each slot, as guaranteed by the data sheets of the boards' chips.
 const ENDURANCE: u32 = 10_000;
+
+/// Time after which a board's mute timer takes the pin low by itself, in us.
+const STAYS_ON_US: u32 = 4000;
 
 /// The slots of flash in memory; erased bytes are `0xff`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,6 +42,15 @@ impl MemoryFlash {
     fn word(&mut self, slot: FlashSlot, offset: usize) -> Result<&mut [u8], FlashError> {
         self.slots[slot as usize].get_mut(offset..offset + FLASH_WORD).ok_or(FlashError)
     }
+}
+
+/// A fault of a simulated device's mute pin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MuteFault {
+    /// The pin is high whatever the program and the timer do.
+    StuckHigh,
+    /// A break of the program leaves the pin high.
+    DeadBreak,
 }
 
 /// State of the peripherals.
@@ -72,6 +86,10 @@ pub(super) struct PeripheralState {
     pub(super) flash: MemoryFlash,
     pub(super) brown_out_guarded: bool,
     pub(super) mute_resistor_missing: bool,
+    pub(super) mute_fault: Option<MuteFault>,
+    /// The device is on the bench: the stop input is watched while the pin is low.
+    on_bench: bool,
+    pub(super) analogue: Analogue,
     pub(super) in_bootloader: bool,
 }
 
@@ -201,13 +219,19 @@ impl PeripheralState {
         self.is_stop_fitted == Some(true) && self.is_stop_open
     }
 
-    /// The open stop input mutes an amplifier that is on.
+    /// The open stop input mutes an amplifier that is on; on the bench it would.
     pub(super) fn break_if_open(&mut self) {
         if self.is_stopped() {
-            self.was_stopped |= !self.muted;
-            self.has_muted |= !self.muted;
-            self.muted = true;
+            let is_watched = !self.muted || self.on_bench;
+            self.was_stopped |= is_watched;
+            self.has_muted |= is_watched;
+            self.mute();
         }
+    }
+
+    /// Takes the mute pin low, if it works.
+    pub(super) fn mute(&mut self) {
+        self.muted = self.mute_fault != Some(MuteFault::StuckHigh);
     }
 
     /// Whether the DAC ramps to mid-scale by itself and plays no block.
@@ -254,7 +278,20 @@ impl Mute for Peripherals {
         let mut state = self.lock();
         state.has_muted &= !muted;
         state.was_stopped &= !muted;
-        state.muted = muted || state.has_muted || state.mute_resistor_missing;
+        state.on_bench = false;
+        state.muted = false;
+        if muted || state.has_muted || state.mute_resistor_missing {
+            state.mute();
+        }
+        state.break_if_open();
+    }
+
+    fn bench(&mut self) {
+        let mut state = self.lock();
+        if !state.on_bench {
+            (state.on_bench, state.has_muted, state.was_stopped) = (true, false, false);
+        }
+        state.mute();
         state.break_if_open();
     }
 
@@ -348,6 +385,26 @@ impl System for Peripherals {
             },
             trigger_input: self.has_trigger_input(),
         }
+    }
+
+    fn analogue(&self) -> Analogue {
+        self.lock().analogue
+    }
+
+    fn mute_level(&self) -> PinLevel {
+        if self.lock().muted { PinLevel::Low } else { PinLevel::High }
+    }
+
+    fn try_mute(&mut self, trial: MuteTrial) -> Option<MuteFall> {
+        let mut state = self.lock();
+        let low_after_us = match (trial, state.mute_fault) {
+            (MuteTrial::Read, _) | (_, Some(MuteFault::StuckHigh)) => return None,
+            (MuteTrial::Break, Some(MuteFault::DeadBreak)) => return None,
+            (MuteTrial::Lapse, _) => STAYS_ON_US,
+            (MuteTrial::Break, _) => 0,
+        };
+        state.mute();
+        Some(MuteFall { low_after_us, within_us: 0 })
     }
 
     fn fit_stop_input(&mut self, is_fitted: Option<bool>) {

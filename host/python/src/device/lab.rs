@@ -1,17 +1,18 @@
-//! What Python does with a device and a sensor or a recorder besides a measurement: trims, and sweeps for a recorder.
+//! What Python does with a device and a sensor or a recorder besides a measurement: trims, sweeps for a recorder, and self-tests.
 
 use super::measure::{Band, Wish};
 use super::{Device, Loaded, lock, may_be_armed};
 use crate::arguments::{in_range, optional};
 use crate::error::Failure;
 use crate::plate::Plate as PyPlate;
-use crate::result::kind::{Profile, Sweep, Trim};
+use crate::result::kind::{Profile, Selftest, Sweep, Trim};
 use crate::result::{Answer, fields};
 use pyo3::prelude::*;
 use slipline_instrument::measure::{PlayedSweep, Playing, SWEEP_S};
 use slipline_instrument::native::{Client, InterruptibleLink, Measurer, TRIM_S, Trimming};
 use slipline_instrument::profile_file;
 use slipline_instrument::requests::SweepAnswer;
+use slipline_instrument::selftest::SelftestRequest;
 use slipline_link::protocol::profile::ActuatorProfile;
 use slipline_link::protocol::version::Compatibility;
 use slipline_model::atomic_file::{self, said};
@@ -79,6 +80,17 @@ impl Device {
             Ok(fields(&SweepAnswer::of(&plate, &played)))
         })?;
         Answer::of(py, found)
+    }
+
+    /// Tests the board.
+    pub(super) fn test_board(&self, py: Python<'_>, request: SelftestRequest) -> PyResult<Answer<Selftest>> {
+        let (found, passed) = self.call(py, move |client| {
+            // Each test has other drives: the index of the device's sample differs.
+            let seed = client.refresh()?;
+            let report = client.selftest(SelftestRequest { seed, ..request }, |_, _| ())?;
+            Ok((fields(&report), report.passed()))
+        })?;
+        Answer::of(py, found)?.with(py, "passed", passed)
     }
 
     /// The profile of the board's actuator.

@@ -10,7 +10,7 @@ use crate::coroutine::{Coroutine, Rest, StatusIterator};
 use crate::error::Failure;
 use crate::measurement::Measurement;
 use crate::plate::{Plate as PyPlate, check_length};
-use crate::result::kind::{Drive, Profile, Status, Sweep, Trim, Verification};
+use crate::result::kind::{Drive, Profile, Selftest, Status, Sweep, Trim, Verification};
 use crate::result::{Answer, ResultArgument, fields};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
@@ -20,6 +20,7 @@ use slipline_instrument::hold::{Holding, MAX_RISE};
 use slipline_instrument::measure::verify_windows_s;
 use slipline_instrument::native::ArmingConsent;
 use slipline_instrument::profile_file;
+use slipline_instrument::selftest::SelftestRequest;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::simulation::table_for;
 use slipline_plate::calibrate::SensorBody;
@@ -381,6 +382,33 @@ impl Device {
             Ok(fields(&client.verify(&plate, tones, window_s)?))
         })?;
         Answer::of(py, verified)
+    }
+
+    /// Tests the board by itself, as ``slipline selftest``, with its amplifier muted, and leaves it disarmed.
+    ///
+    /// ``sensor_wire``: a wire leads from the DAC's pin to the sensor's; ``trigger_wire``: one leads from the trigger output to the
+    /// trigger input. ``amplifier_unplugged`` permits the step that takes the mute pin high, and ``short`` takes three seconds. The
+    /// result has ``passed`` and ``steps``, each with ``verdict``: a step without its wire is ``"skipped"``.
+    #[pyo3(signature = (*, sensor_wire=false, trigger_wire=false, amplifier_unplugged=false, short=false))]
+    fn selftest(
+        &self,
+        py: Python<'_>,
+        sensor_wire: bool,
+        trigger_wire: bool,
+        amplifier_unplugged: bool,
+        short: bool,
+    ) -> PyResult<Answer<Selftest>> {
+        self.check_block("selftest()")?;
+        self.test_board(
+            py,
+            SelftestRequest {
+                has_sensor_wire: sensor_wire,
+                has_trigger_wire: trigger_wire,
+                is_amplifier_unplugged: amplifier_unplugged,
+                is_short: short,
+                ..SelftestRequest::default()
+            },
+        )
     }
 
     /// What the device reports of itself: the fields of ``slipline info --json``.

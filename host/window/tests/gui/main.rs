@@ -51,6 +51,7 @@ mod reasons;
 #[path = "../../../instrument/tests/in_use/script.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod script;
+mod selftest;
 #[path = "../../../instrument/tests/in_use/sensors.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod sensors;

@@ -7,7 +7,7 @@ use crate::test_app::{TestApp, click, open_window, opened};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, HarnessBuilder};
 use slipline_link::Request;
-use slipline_link::protocol::board::{BoardReport, MuteResistor};
+use slipline_link::protocol::board::{Analogue, BoardReport, MuteResistor};
 use slipline_link::protocol::command::TravelLimit;
 use slipline_link::protocol::event::{Maintenance, State};
 use slipline_window::app::App;
@@ -198,5 +198,37 @@ fn a_table_is_kept_by_a_device_that_is_disarmed_first() {
         assert_eq!(snapshot.device.maintenance.map(|maintenance| maintenance.erasures), Some(1));
         let is_told = snapshot.record.log.iter().any(|line| line.text.contains("was not written again"));
         assert_eq!(is_told, !written, "{:?}", snapshot.record.log);
+    }
+}
+
+#[test]
+fn the_meters_count_with_the_linear_share_of_a_boards_output() {
+    let shown = |sum_per_mille, linear_per_mille| {
+        let mut link = telling(State::Driving, None);
+        let snapshot = Arc::make_mut(&mut link.snapshot);
+        snapshot.drive.status.as_mut().unwrap().sum_per_mille = sum_per_mille;
+        snapshot.device.analogue = Some(Analogue { linear_per_mille, ..Analogue::default() });
+        let window = opened(link, [1280.0, 800.0]);
+        [-6.0, -0.9, 0.9, 1.1, 6.0]
+            .into_iter()
+            .filter(|db| window.query_by_label(&format!("Headroom: {db:.1} dB")).is_some())
+            .collect::<Vec<f64>>()
+    };
+    assert_eq!(shown(900, 1000), [0.9]);
+    assert_eq!(shown(440, 880), [6.0]);
+    // Beyond it: 975 of 880 per mille.
+    assert_eq!(shown(975, 880), [-0.9]);
+}
+
+#[test]
+fn the_device_panel_warns_of_a_wrong_reference_voltage() {
+    for (reference_mv, warns) in [(0, false), (3300, false), (2700, true)] {
+        let mut link = telling(State::Idle, None);
+        let analogue = Analogue { reference_mv, linear_per_mille: 880, ..Analogue::default() };
+        Arc::make_mut(&mut link.snapshot).device.analogue = Some(analogue);
+        let mut window = opened(link, [1280.0, 1400.0]);
+        click(&mut window, "Device");
+        let is_warned = window.query_by_label_contains("The reference voltage VREF+ is 2.70 V").is_some();
+        assert_eq!(is_warned, warns, "{reference_mv} mV");
     }
 }

@@ -115,6 +115,20 @@ impl Drive {
         self.obstacle_of_table(snapshot.is_simulated())
     }
 
+    /// The obstacle to a self-test, which needs neither a table nor an armed device.
+    pub(crate) fn obstacle_to_test(&self) -> Option<Obstacle> {
+        self.obstacle().filter(|obstacle| {
+            !matches!(
+                obstacle,
+                Obstacle::Muted
+                    | Obstacle::NoTable(_)
+                    | Obstacle::TableGivenUp
+                    | Obstacle::TableUnfinished
+                    | Obstacle::TableNotSent
+            )
+        })
+    }
+
     /// The obstacle of the table, if there is one. A simulated device gets its table automatically; a real one at
     /// the user's request.
     fn obstacle_of_table(&self, is_simulated: bool) -> Option<Obstacle> {

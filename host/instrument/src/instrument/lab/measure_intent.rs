@@ -3,6 +3,7 @@
 use crate::measure::KnownDrive;
 use crate::measure::circuit::TOLERANCE;
 use crate::measured_file::ForeignMetadata;
+use crate::selftest::SelftestRequest;
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad, SensorBody, SensorKind};
 use slipline_plate::text_table::Quantity;
 
@@ -71,6 +72,10 @@ pub enum MeasureIntent {
     Tap,
     /// Compare the device's codes with the mirror's: sixteen tones start, sound, glide and stop within two seconds.
     Verify,
-    /// Cancel the measurement or the comparison under way.
+    /// Set what the self-test of the board is to do.
+    SelftestDraft(SelftestRequest),
+    /// Test the board by itself; it is disarmed then.
+    Selftest,
+    /// Cancel the measurement, the comparison or the self-test under way.
     Cancel,
 }

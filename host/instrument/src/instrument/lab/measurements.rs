@@ -1,6 +1,7 @@
 //! The page of measurements: the list, and the comparison of the chosen one with the plate while the page is open.
 
 use super::plate_lists::PlateLists;
+use super::selftest::BoardTest;
 use super::verification::Verification;
 use super::{Lab, MeasureIntent, Reach};
 use crate::hold::HoldEnd;
@@ -169,6 +170,13 @@ impl Lab {
                 if !self.is_measuring() && Verification::may_begin(reach) {
                     self.end_hold(HoldEnd::Measured, reach.out);
                     self.verification.begin(reach);
+                }
+            }
+            MeasureIntent::SelftestDraft(request) => self.board_test.draft(request),
+            MeasureIntent::Selftest => {
+                if !self.is_measuring() && BoardTest::may_begin(reach) {
+                    self.end_hold(HoldEnd::Measured, reach.out);
+                    self.board_test.begin(reach);
                 }
             }
             MeasureIntent::Cancel => self.cancel_measuring(),

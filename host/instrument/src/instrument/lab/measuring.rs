@@ -194,6 +194,7 @@ impl Lab {
     /// Cancels the measurement or the comparison of codes under way.
     pub(crate) fn cancel_measuring(&mut self) {
         self.verification.cancel();
+        self.board_test.cancel();
         self.rig.awaited_for = None;
         if let Some(run) = &mut self.live.run {
             run.measuring.cancel();

@@ -9,6 +9,7 @@ mod measurements;
 mod measuring;
 mod plate_lists;
 mod rig;
+mod selftest;
 mod signal;
 mod verification;
 
@@ -19,7 +20,7 @@ use super::desk::Desk;
 use super::drive::{Drive, USUAL_RATE_HZ};
 use super::outbox::Outbox;
 use super::shell::Attention;
-use super::shown::{CalibrateScene, HoldScene, MeasureScene};
+use super::shown::{CalibrateScene, HoldScene, MeasureScene, SelftestScene};
 use super::work::Jobs;
 use crate::bench::Bench;
 use calibrating::Calibrating;
@@ -27,6 +28,7 @@ use level_hold::LevelHold;
 use measurements::Measurements;
 use measuring::Live;
 use rig::Rig;
+use selftest::BoardTest;
 use slipline_link::{Port, Snapshot, Ticket};
 use slipline_plate::calibrate::Measurement;
 use slipline_plate::{Finger, Plate};
@@ -45,6 +47,7 @@ pub(crate) struct Lab {
     calibration: Calibrating,
     hold: LevelHold,
     verification: Verification,
+    board_test: BoardTest,
 }
 
 /// What the lab acts on.
@@ -70,6 +73,7 @@ impl Lab {
             calibration: Calibrating::new(jobs),
             hold: LevelHold::default(),
             verification: Verification::default(),
+            board_test: BoardTest::default(),
         }
     }
 
@@ -78,6 +82,7 @@ impl Lab {
         self.update_hold(load, reach);
         self.update_measuring(reach);
         self.verification.update(reach);
+        self.board_test.update(reach);
         let is_heard = self.is_measuring() || self.live.looks.is_looking() || self.hold.needs_sensor();
         self.rig.rest(!is_heard);
         self.measurements.compare(reach.desk.plate(), reach.attention);
@@ -91,14 +96,20 @@ impl Lab {
         }
     }
 
-    /// Whether a measurement or a comparison of codes is under way, or a measurement's rig is being put together.
+    /// Whether a measurement, a comparison of codes or a self-test is under way, or a measurement's rig is being put together.
     pub(crate) const fn is_measuring(&self) -> bool {
-        self.live.is_running() || self.rig.is_awaited() || self.verification.is_running()
+        self.live.is_running()
+            || self.rig.is_awaited()
+            || self.verification.is_running()
+            || self.board_test.is_running()
     }
 
     /// Whether the lab handles this request's outcome.
     pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
-        self.live.awaits(ticket) || self.hold.holding.awaits(ticket) || self.verification.awaits(ticket)
+        self.live.awaits(ticket)
+            || self.hold.holding.awaits(ticket)
+            || self.verification.awaits(ticket)
+            || self.board_test.awaits(ticket)
     }
 
     /// The plate under the simulated device, where `plate` is on the screen; `None` while it is an unknown one that was not
@@ -136,8 +147,14 @@ impl Lab {
         let now = snapshot.drive.status.map_or(0, |status| status.now);
         let clock = (now, snapshot.sample_rate_hz().unwrap_or(USUAL_RATE_HZ));
         let mut live = self.live.scene(clock, &self.rig, is_at_bench(snapshot));
-        live.progress = live.progress.or(self.verification.progress(now));
+        let other = self.verification.progress(now).or(self.board_test.progress(now));
+        live.progress = live.progress.or(other);
         self.measurements.scene(live)
+    }
+
+    /// The page of the self-test.
+    pub(crate) fn selftest_scene(&self, snapshot: &Snapshot) -> SelftestScene<'_> {
+        self.board_test.scene(snapshot.drive.status.map_or(0, |status| status.now))
     }
 
     /// The level hold.

@@ -157,6 +157,7 @@ impl Screen {
             background: self.background(),
             texture: self.textures.scene(self.brush.is_drawn()),
             measure: lab.measure_scene(snapshot),
+            selftest: lab.selftest_scene(snapshot),
             hold: lab.hold_scene(snapshot),
             calibration: lab.calibration_scene(),
             calibration_side: None,

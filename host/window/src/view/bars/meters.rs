@@ -23,16 +23,21 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, has_heading: bool) {
         meter(ui, name, known.unwrap_or_else(|| Meter::unknown(palette)), help);
     };
     let sum = status.map(|status| f32::from(status.sum_per_mille) / 1000.0);
+    // Beyond it the DAC's output flattens the peaks.
+    let linear = scene.snapshot.linear_share() as f32;
     let level = sum.map(|sum| {
         let text = if sum > 0.0 { decibel(20.0 * sum.log10()) } else { "silent".to_owned() };
-        Meter { share: sum, text, colour: warn_from(0.95, sum) }
+        Meter { share: sum, text, colour: warn_from(0.95 * linear, sum) }
     });
     meter(ui, "Level", level, "The device's sum of tones, against full scale");
     let room = sum.map(|sum| {
-        let text = if sum > 0.0 { decibel(-20.0 * sum.min(1.0).log10()) } else { "all".to_owned() };
-        Meter { share: 1.0 - sum, text, colour: palette.good }
+        // A device that is linear up to full scale cannot be beyond it, but for a rounding.
+        let is_beyond = linear < 1.0 && sum > linear;
+        let used = if is_beyond { sum / linear } else { (sum / linear).min(1.0) };
+        let text = if sum > 0.0 { decibel(-20.0 * used.log10()) } else { "all".to_owned() };
+        Meter { share: 1.0 - used, text, colour: if is_beyond { palette.warn } else { palette.good } }
     });
-    meter(ui, "Headroom", room, "What is left before the DAC would clip");
+    meter(ui, "Headroom", room, "What is left before the DAC's output would no longer be linear");
     let load = status.map(|status| {
         let heat = f32::from(status.heat_per_mille) / 1000.0;
         let held = f32::from(status.foldback_per_mille) / 10.0;

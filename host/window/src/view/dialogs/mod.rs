@@ -1,10 +1,11 @@
 //! Pages in front of the window: scenes, the calibration, shortcuts, port help, about, diagnostics, a path to be typed,
-//! confirmations, an actuator's profile.
+//! confirmations, an actuator's profile, the board's self-test.
 
 mod calibrate;
 mod path;
 mod profile;
 mod scenes;
+mod selftest;
 
 use crate::intent::{Asks as _, Confirm, Dialog, Export, Intent, Intents};
 use crate::scene::Scene;
@@ -89,6 +90,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                 Dialog::About => about(ui),
                 Dialog::Diagnostics => diagnostics(ui, scene, intents),
                 Dialog::Calibrate => calibrate::show(ui, scene, view, intents),
+                Dialog::Selftest => selftest::show(ui, scene, intents),
                 Dialog::Path(question) => return path::show(ui, question, &mut view.typed_path, intents),
                 Dialog::Confirm(confirm) => return confirmation(ui, *confirm, scene, intents),
                 Dialog::Profile(profile) => return profile::show(ui, profile, scene, intents),
@@ -117,7 +119,10 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
 
 /// Whether a page has much text, or a picture.
 const fn is_wide(dialog: &Dialog) -> bool {
-    matches!(dialog, Dialog::Calibrate | Dialog::Diagnostics | Dialog::PortHelp | Dialog::Scenes)
+    matches!(
+        dialog,
+        Dialog::Calibrate | Dialog::Diagnostics | Dialog::PortHelp | Dialog::Scenes | Dialog::Selftest
+    )
 }
 
 /// Width of the column of keys, in points.

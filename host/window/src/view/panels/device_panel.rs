@@ -168,6 +168,9 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     if let Some(warning) = snapshot.device.board.as_ref().and_then(upkeep::muted_for_good) {
         ui.label(RichText::new(warning).small().color(palette.warn));
     }
+    if let Some(warning) = snapshot.device.analogue.as_ref().and_then(upkeep::wrong_reference) {
+        ui.label(RichText::new(warning).small().color(palette.warn));
+    }
     if let Some(compatibility) = snapshot.device.compatibility {
         let colour = if compatibility.may_drive() { palette.weak } else { palette.wrong };
         ui.label(RichText::new(compatibility.sentence()).small().color(colour));
@@ -316,6 +319,9 @@ fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             .on_hover_text("Play 16 tones, 90 % of full scale together, for two seconds, and compare the device's codes with the mirror's")
             .on_disabled_hover_text("Only while nothing sounds, with the plate's table on the device")
             .asks(intents, Intent::Measure(MeasureIntent::Verify));
+        let test = ui.button("Test this board…");
+        test.on_hover_text("Clocks, supply, mute pin, converters, codes and link, by a wire or two, with the amplifier muted")
+            .asks(intents, Intent::Dialog(Some(Dialog::Selftest)));
         let keeps_one = scene.snapshot.keeps_profile();
         let profile = ui.add_enabled(keeps_one && is_silent, egui::Button::new("Actuator profile…"));
         let profile =

@@ -1,0 +1,196 @@
+//! The report of a self-test: steps like lights, each with its numbers, their limits and a sentence.
+
+use super::limits::{self, Limit};
+use super::verdict::Verdict;
+use slipline_link::capitalized;
+use slipline_plate::quantity::number_format::significant;
+
+/// One number of a step.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Reading {
+    /// The quantity.
+    pub quantity: String,
+    /// The number.
+    pub value: f64,
+    /// Its unit; empty for a pure number or a count.
+    pub value_unit: String,
+    /// The lowest allowed number; `None` without such a limit.
+    pub at_least: Option<f64>,
+    /// The highest allowed number; `None` without such a limit.
+    pub at_most: Option<f64>,
+}
+
+impl Reading {
+    /// A number with the limits of its step.
+    pub(super) fn new(step: &str, quantity: &str, value: f64, unit: &str) -> Self {
+        // Of several limits the narrowest is shown.
+        let limit = limits::of(step, quantity).last();
+        Self {
+            quantity: quantity.to_owned(),
+            value,
+            value_unit: unit.to_owned(),
+            at_least: limit.and_then(|limit| limit.at_least),
+            at_most: limit.and_then(|limit| limit.at_most),
+        }
+    }
+
+    /// The number with its unit: `3.27 V`.
+    #[must_use]
+    pub fn shown(&self) -> String {
+        with_unit(self.value, &self.value_unit)
+    }
+
+    /// Its limits in words: `2.9 V to 3.4 V`; `None` of a number that is only reported.
+    #[must_use]
+    pub fn allowed(&self) -> Option<String> {
+        let shown = |value: f64| with_unit(value, &self.value_unit);
+        match (self.at_least, self.at_most) {
+            (None, None) => None,
+            (Some(least), None) => Some(format!("at least {}", shown(least))),
+            (None, Some(most)) => Some(format!("at most {}", shown(most))),
+            (Some(least), Some(most)) if least == most => Some(shown(least)),
+            (Some(least), Some(most)) => Some(format!("{} to {}", shown(least), shown(most))),
+        }
+    }
+}
+
+fn with_unit(value: f64, unit: &str) -> String {
+    // A count is shown whole, a small number by three decimals.
+    let number = if unit.is_empty() && value.fract() == 0.0 && value.abs() < 1e9 {
+        format!("{value:.0}")
+    } else if value.abs() < 1.0 {
+        significant((1000.0 * value).round() / 1000.0 + 0.0, 3)
+    } else {
+        significant(value, 4)
+    };
+    format!("{number} {unit}").trim_end().to_owned()
+}
+
+/// One step.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct StepResult {
+    /// Its name; the same words for every board.
+    pub name: String,
+    /// Its result.
+    pub verdict: Verdict,
+    /// Its numbers.
+    pub readings: Vec<Reading>,
+    /// What the result means; of a skipped step, what is missing.
+    pub sentence: String,
+}
+
+impl StepResult {
+    /// A step judged by the limits of its numbers. `good` is its sentence where all are kept.
+    pub(super) fn judged(name: &str, readings: Vec<Reading>, good: impl Into<String>) -> Self {
+        let step = Self { name: name.to_owned(), verdict: Verdict::Green, readings, sentence: good.into() };
+        step.judged_again()
+    }
+
+    /// A step that could not be carried out: what is missing.
+    pub(super) fn skipped(name: &str, missing: impl Into<String>) -> Self {
+        Self {
+            name: name.to_owned(),
+            verdict: Verdict::Skipped,
+            readings: Vec::new(),
+            sentence: missing.into(),
+        }
+    }
+
+    /// A step in which the device did not do what it should.
+    pub(super) fn failed(name: &str, why: impl Into<String>) -> Self {
+        Self { verdict: Verdict::Red, ..Self::skipped(name, why) }
+    }
+
+    /// The step judged by the limits of this program, whatever limits stand beside its numbers. A step that was skipped or failed
+    /// without a number stays so.
+    pub(super) fn judged_again(mut self) -> Self {
+        // The widest limit of each number that it exceeds.
+        let broken: Vec<(&Reading, &Limit)> = self
+            .readings
+            .iter()
+            .filter_map(|reading| {
+                let mut limits = limits::of(&self.name, &reading.quantity);
+                Some((reading, limits.find(|limit| !limit.allows(reading.value))?))
+            })
+            .collect();
+        let Some(worst) = broken.iter().map(|(_, limit)| limit.beyond).max() else { return self };
+        let sentences: Vec<String> = broken
+            .iter()
+            .map(|(reading, limit)| {
+                let of_limit =
+                    Reading { at_least: limit.at_least, at_most: limit.at_most, ..(*reading).clone() };
+                let allowed = of_limit.allowed().unwrap_or_default();
+                let quantity = capitalized(&reading.quantity);
+                format!("{quantity} is {}, allowed: {allowed}. {}", reading.shown(), limit.remedy)
+            })
+            .collect();
+        let sentence = sentences.join(" ");
+        if worst > self.verdict {
+            (self.verdict, self.sentence) = (worst, sentence);
+        }
+        self
+    }
+}
+
+/// The report of a self-test.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct SelftestReport {
+    /// The board's name.
+    pub board: String,
+    /// Number of this device.
+    pub unit: String,
+    /// The firmware's version.
+    pub firmware: String,
+    /// The firmware's build.
+    pub build: String,
+    /// Whether the device is simulated.
+    pub simulated: bool,
+    /// CRC-32 over the digests of the compared windows of codes, in hexadecimal; `None` where none were compared.
+    pub codes_crc: Option<String>,
+    /// The steps, always in the same order.
+    pub steps: Vec<StepResult>,
+}
+
+impl SelftestReport {
+    /// The worst verdict; skipped steps do not count, unless all are.
+    #[must_use]
+    pub fn worst(&self) -> Verdict {
+        self.steps.iter().map(|step| step.verdict).max().unwrap_or(Verdict::Skipped)
+    }
+
+    /// The names of the steps with this verdict.
+    pub fn named(&self, verdict: Verdict) -> impl Iterator<Item = &str> {
+        self.steps.iter().filter(move |step| step.verdict == verdict).map(|step| step.name.as_str())
+    }
+
+    /// Whether no step is red and at least one was carried out.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        matches!(self.worst(), Verdict::Green | Verdict::Amber)
+    }
+
+    /// The line by which a report is found in a log: `SELFTEST PASS unit=.. build=.. codes=..`, then the names of the steps that are
+    /// not green.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let result = if self.passed() { "PASS" } else { "FAIL" };
+        let word = |text: &str| text.split_whitespace().collect::<Vec<_>>().join("_");
+        let codes = self.codes_crc.as_deref().unwrap_or("none");
+        let mut line =
+            format!("SELFTEST {result} unit={} build={} codes={codes}", self.unit, word(&self.build));
+        for verdict in [Verdict::Red, Verdict::Amber, Verdict::Skipped] {
+            let names: Vec<String> = self.named(verdict).map(word).collect();
+            if !names.is_empty() {
+                line.push_str(&format!(" {}={}", verdict.name(), names.join(",")));
+            }
+        }
+        line
+    }
+
+    /// The same numbers judged by the limits of this program.
+    #[must_use]
+    pub fn judged_again(mut self) -> Self {
+        self.steps = self.steps.into_iter().map(StepResult::judged_again).collect();
+        self
+    }
+}

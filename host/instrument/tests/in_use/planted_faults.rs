@@ -1,0 +1,212 @@
+//! Planted faults: each is caught by its own step of the self-test, and no other verdict is wrong.
+
+use crate::desk::{Alter, Desk, FaultyWire, everything, expect, good, named, wired};
+use slipline_instrument::selftest::{SelftestReport, Verdict, step};
+use slipline_link::Request;
+use slipline_link::protocol::Event;
+use slipline_link::protocol::board::{BoardReport, ClockReport, UsbFrame};
+use slipline_link::simulator::{MuteFault, Options, SimulatedDevice};
+
+/// The steps by drives.
+const DRIVEN: [&str; 6] =
+    [step::DAC_TO_ADC, step::DELAY, step::NOISE, step::LOAD, step::CODES, step::TRIGGER];
+
+/// A device with a fault.
+fn with(change: impl FnOnce(&mut Options)) -> SimulatedDevice {
+    let mut options = Options::default();
+    change(&mut options);
+    wired(options, FaultyWire::good())
+}
+
+fn with_wire(change: impl FnOnce(&mut FaultyWire)) -> SimulatedDevice {
+    let mut wire = FaultyWire::good();
+    change(&mut wire);
+    wired(Options::default(), wire)
+}
+
+/// The first digest of a window is that of codes of which one is wrong.
+fn one_wrong_code() -> Alter {
+    let mut is_planted = false;
+    Box::new(move |event| match event {
+        Event::Digest(mut digest) => {
+            if let Some(crc) = digest.crc.as_mut().filter(|_| !is_planted) {
+                *crc ^= 1;
+                is_planted = true;
+            }
+            Event::Digest(digest)
+        }
+        event => event,
+    })
+}
+
+/// A test of a device with a fault: its red steps, and those that are skipped because of it.
+type Case = (&'static str, fn() -> Desk, &'static [&'static str], &'static [&'static str]);
+
+const CASES: &[Case] = &[
+    (
+        "clock 2 % off",
+        || {
+            let mut desk = Desk::new(good(), None);
+            desk.clock = 1.02;
+            desk
+        },
+        &[step::CLOCKS],
+        &[],
+    ),
+    (
+        "VREF+ 2.7 V",
+        || Desk::new(with(|options| options.analogue.reference_mv = 2700), None),
+        &[step::SUPPLY],
+        &[],
+    ),
+    (
+        "mute stuck high",
+        || Desk::new(with(|options| options.mute_fault = Some(MuteFault::StuckHigh)), None),
+        &[step::MUTE, step::MUTE_TIME],
+        &[],
+    ),
+    (
+        "break input dead",
+        || Desk::new(with(|options| options.mute_fault = Some(MuteFault::DeadBreak)), None),
+        &[step::MUTE_TIME],
+        &[],
+    ),
+    (
+        "resistor missing",
+        || Desk::new(with(|options| options.mute_resistor_missing = true), None),
+        &[step::MUTE],
+        &[step::MUTE_TIME],
+    ),
+    (
+        "dead ADC",
+        || Desk::new(with_wire(|wire| wire.stuck = Some(0)), None),
+        &[step::DAC_TO_ADC],
+        &[step::DELAY, step::NOISE],
+    ),
+    (
+        "DAC and sensor swapped: the input reads mid-scale",
+        || Desk::new(with_wire(|wire| wire.stuck = Some(2048)), None),
+        &[step::DAC_TO_ADC],
+        &[step::DELAY, step::NOISE],
+    ),
+    ("DMA late by a block", || Desk::new(with_wire(|wire| wire.late_blocks = 1), None), &[step::DELAY], &[]),
+    ("noisy reference", || Desk::new(with_wire(|wire| wire.noise = 4.0), None), &[step::NOISE], &[]),
+    ("one wrong code", || Desk::new(good(), Some(one_wrong_code())), &[step::CODES], &[]),
+    (
+        "lost trigger edge",
+        || {
+            let options = Options::default();
+            Desk::new(SimulatedDevice::with_inputs(options, Box::new(FaultyWire::good())), None)
+        },
+        &[step::TRIGGER],
+        &[],
+    ),
+    (
+        "block of the inputs lost under load",
+        || {
+            let mut desk = Desk::new(good(), None);
+            desk.before = Some(|device, request| {
+                if matches!(request, Request::Listen(listen) if listen.slots == u16::MAX) {
+                    device.inject_overrun(1);
+                }
+            });
+            desk
+        },
+        &[step::LOAD],
+        &[],
+    ),
+    (
+        "block too late for the DAC",
+        || {
+            let mut desk = Desk::new(good(), None);
+            desk.before = Some(|device, request| {
+                if matches!(request, Request::Digest(_)) {
+                    device.inject_underrun();
+                }
+            });
+            desk
+        },
+        &[step::CODES],
+        &[step::TRIGGER, step::MUTE_TIME],
+    ),
+    (
+        "stuck button",
+        || {
+            let mut device = good();
+            device.press_button(true);
+            let mut desk = Desk::new(device, None);
+            desk.obeys = false;
+            desk
+        },
+        &[step::BUTTONS],
+        &[step::MUTE_TIME, DRIVEN[0], DRIVEN[1], DRIVEN[2], DRIVEN[3], DRIVEN[4], DRIVEN[5], step::STORE],
+    ),
+];
+
+#[test]
+fn each_planted_fault_is_caught_by_its_own_step_and_no_other_verdict_is_wrong() {
+    for (fault, desk, red, skipped) in CASES {
+        println!("{fault}");
+        let report = desk().test(everything()).unwrap();
+        expect(&report, red, skipped);
+        assert!(!report.passed() && report.line().starts_with("SELFTEST FAIL "), "{}", report.line());
+        for result in report.steps.iter().filter(|result| result.verdict == Verdict::Red) {
+            assert!(result.sentence.ends_with(['.', '?']), "{result:?}");
+        }
+    }
+}
+
+#[test]
+fn a_board_whose_dac_saturates_where_it_states_passes_and_its_ends_are_reported() {
+    let mut desk = Desk::new(with(|options| options.analogue.linear_per_mille = 880), None);
+    let report = desk.test(everything()).unwrap();
+    expect(&report, &[], &[]);
+    let dac = report.steps.iter().find(|result| result.name == step::DAC_TO_ADC).unwrap();
+    for (quantity, code) in [("lowest linear code", 246.0), ("highest linear code", 3850.0)] {
+        let reading = dac.readings.iter().find(|reading| reading.quantity == quantity).unwrap();
+        assert!((reading.value - code).abs() <= 64.0, "{reading:?}");
+    }
+    // One that saturates earlier than it states does not.
+    let early = with_wire(|wire| wire.ends = 1500.0);
+    let report = Desk::new(early, None).test(everything()).unwrap();
+    assert_eq!(named(&report, Verdict::Red), [step::DAC_TO_ADC]);
+}
+
+/// A processor of 168 MHz at USB, whose cycle counter, and whose host's frames, run by these shares of the samples' time.
+fn at_usb(counter: f64, frames: f64, worst_block: u32) -> Alter {
+    const CYCLES: f64 = 420.0;
+    Box::new(move |event| match event {
+        Event::Board(board) => Event::Board(BoardReport { core_hz: 168_000_000, ..board }),
+        Event::Clock(clock) => {
+            let cycles = |samples: f64| (samples * CYCLES * counter) as u64 as u32;
+            let frame = (clock.at as f64 / 400.0 * frames).floor();
+            let usb = UsbFrame { number: (frame % 2048.0) as u16, cycles: cycles(frame * 400.0 / frames) };
+            Event::Clock(ClockReport { cycles: cycles(clock.at as f64), usb: Some(usb), ..clock })
+        }
+        Event::Status(mut status) => {
+            status.counters.max_cycles = worst_block;
+            Event::Status(status)
+        }
+        event => event,
+    })
+}
+
+#[test]
+fn a_boards_own_clocks_are_compared_with_its_samples_and_with_the_usb() {
+    let tested = |counter, frames, worst_block| {
+        Desk::new(good(), Some(at_usb(counter, frames, worst_block))).test(everything()).unwrap()
+    };
+    let clocks =
+        |report: &SelftestReport| report.steps.iter().find(|it| it.name == step::CLOCKS).unwrap().clone();
+    let report = tested(1.0, 1.0, 30_000);
+    expect(&report, &[], &[]);
+    let quantities: Vec<String> = clocks(&report).readings.into_iter().map(|it| it.quantity).collect();
+    assert_eq!(quantities, ["rate error in a short time", "cycle error", "error by USB frames"]);
+    // A resonator instead of a crystal is less exact.
+    let report = tested(1.0, 1.0 - 200e-6, 30_000);
+    assert_eq!((clocks(&report).verdict, report.passed()), (Verdict::Amber, true), "{report:#?}");
+    assert_eq!(clocks(&tested(1.0, 0.98, 30_000)).verdict, Verdict::Red);
+    assert_eq!(clocks(&tested(1.0002, 1.0, 30_000)).verdict, Verdict::Red);
+    // 53 760 cycles are the time of a block.
+    assert_eq!(named(&tested(1.0, 1.0, 50_000), Verdict::Red), [step::LOAD]);
+}

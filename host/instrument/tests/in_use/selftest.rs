@@ -1,0 +1,182 @@
+//! The self-test on the simulated device: in full, in short, without wires, and interrupted. Planted faults: `planted_faults.rs`.
+
+use crate::desk::{Desk, everything, expect, good, named};
+use crate::session::Session;
+use slipline_instrument::MeasureIntent;
+use slipline_instrument::measure::{MeasureError, Run};
+use slipline_instrument::selftest::{LIMITS, SelftestRequest, Selftesting, Verdict, Wire, is_step, step};
+use slipline_link::Request;
+use slipline_link::protocol::event::State;
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_plate::truth::Random;
+
+#[test]
+fn a_good_board_passes_in_full_with_both_wires_and_the_mute_pin_stays_low() {
+    let mut desk = Desk::new(good(), None);
+    let began = desk.time_s();
+    let request = SelftestRequest { is_short: false, is_amplifier_unplugged: false, ..everything() };
+    let report = desk.test(request).unwrap();
+    expect(&report, &[], &[step::MUTE_TIME]);
+    assert_eq!(desk.unmuted(), 0, "a step that does not ask has unmuted the amplifier");
+    let took_s = desk.time_s() - began;
+    assert!(took_s < 180.0, "{took_s}");
+    assert!(report.line().starts_with("SELFTEST PASS unit=73696d756c617465642d3030 build=slipline_"));
+    assert!(report.line().ends_with(" skipped=mute_time,stall,bootloader,faults"), "{}", report.line());
+    assert!(report.simulated && report.board == "simulated" && report.codes_crc.is_some());
+    let names: Vec<&str> = report.steps.iter().map(|step| step.name.as_str()).collect();
+    assert_eq!(names, step::ALL);
+    assert_eq!(desk.snapshot().drive.status.unwrap().state, State::Idle);
+}
+
+#[test]
+fn a_short_test_takes_three_seconds_and_gives_the_same_verdicts() {
+    let mut desk = Desk::new(good(), None);
+    let began = desk.time_s();
+    let report = desk.test(everything()).unwrap();
+    expect(&report, &[], &[]);
+    let took_s = desk.time_s() - began;
+    assert!(took_s < 3.0, "{took_s}");
+    assert!(desk.is_muted() && desk.unmuted() > 0, "the mute pin is timed where it may be high");
+}
+
+#[test]
+fn steps_without_their_wire_or_their_person_are_skipped_and_never_green() {
+    let mut desk = Desk::new(SimulatedDevice::new(Options::default()), None);
+    let report = desk.test(SelftestRequest { is_short: true, ..SelftestRequest::default() }).unwrap();
+    let skipped = [
+        step::MUTE_TIME,
+        step::DAC_TO_ADC,
+        step::DELAY,
+        step::NOISE,
+        step::TRIGGER,
+        step::STORE,
+        step::BUTTONS,
+    ];
+    expect(&report, &[], &skipped);
+    assert_eq!(desk.unmuted(), 0);
+    let missing = report.steps.iter().find(|result| result.name == step::DELAY).unwrap();
+    assert!(missing.sentence.contains("dac=sensor") && missing.readings.is_empty(), "{missing:?}");
+    // A wire to an input that the device does not have.
+    let mut desk = Desk::new(SimulatedDevice::new(Options::default()), None);
+    let request = SelftestRequest { is_short: true, ..SelftestRequest::default() };
+    let report = desk.test(request.with_wires(&[Wire::DacToSensor])).unwrap();
+    expect(&report, &[], &skipped);
+}
+
+/// The looks that a short test takes.
+fn looks() -> f64 {
+    let mut looks = 0;
+    let mut desk = Desk::new(good(), None);
+    assert!(desk.run(&mut Run::of(Selftesting::new(everything())), 100_000, |look, _| looks = look));
+    looks as f64
+}
+
+#[test]
+fn a_stop_at_any_moment_leaves_the_board_muted_and_disarmed() {
+    let (mut random, looks) = (Random::new(4), looks());
+    for _ in 0..25 {
+        let mut desk = Desk::new(good(), None);
+        let stopped_at = random.within(0.0, looks) as usize;
+        let mut run = Run::of(Selftesting::new(everything()));
+        let cancel = |look, run: &mut Run<Selftesting>| {
+            if look == stopped_at {
+                run.cancel();
+            }
+        };
+        assert!(desk.run(&mut run, 100_000, cancel));
+        assert_eq!(run.finish(), Err(MeasureError::Cancelled), "{stopped_at}");
+        (0..500).for_each(|_| desk.pass());
+        let status = desk.snapshot().drive.status.unwrap();
+        assert!(desk.is_muted() && status.state == State::Idle, "{stopped_at}: {status:?}");
+    }
+}
+
+#[test]
+fn a_host_that_is_killed_at_any_moment_leaves_the_board_muted_and_the_next_hello_is_normal() {
+    let (mut random, looks) = (Random::new(5), looks());
+    for _ in 0..25 {
+        let mut desk = Desk::new(good(), None);
+        let killed_at = random.within(1.0, looks) as usize;
+        let mut run = Run::of(Selftesting::new(everything()));
+        assert!(!desk.run(&mut run, killed_at, |_, _| ()));
+        drop(run);
+        // Longer than the dead-man and its ramp.
+        (0..1200).for_each(|_| desk.pass_alone());
+        assert!(desk.is_muted(), "{killed_at}");
+        desk.connect_again();
+        let status = desk.snapshot().drive.status.unwrap();
+        assert!(matches!(status.state, State::Idle | State::Fault), "{killed_at}: {status:?}");
+        desk.send(Request::ClearFaults);
+        (0..100).for_each(|_| desk.pass());
+        assert_eq!(desk.snapshot().drive.status.unwrap().state, State::Idle, "{killed_at}");
+    }
+}
+
+#[test]
+fn a_cable_that_is_pulled_at_any_moment_ends_the_test_and_the_board_is_muted() {
+    let (mut random, looks) = (Random::new(6), looks());
+    for _ in 0..10 {
+        let mut desk = Desk::new(good(), None);
+        let pulled_at = random.within(1.0, looks) as usize;
+        let mut run = Run::of(Selftesting::new(everything()));
+        assert!(!desk.run(&mut run, pulled_at, |_, _| ()));
+        desk.plug(false);
+        assert!(desk.run(&mut run, 100_000, |_, _| ()));
+        assert_eq!(run.finish(), Err(MeasureError::Lost), "{pulled_at}");
+        (0..1200).for_each(|_| desk.pass_alone());
+        assert!(desk.is_muted(), "{pulled_at}");
+        desk.plug(true);
+        desk.connect_again();
+        let status = desk.snapshot().drive.status.unwrap();
+        assert!(matches!(status.state, State::Idle | State::Fault), "{pulled_at}: {status:?}");
+    }
+}
+
+#[test]
+fn every_limit_belongs_to_a_step_and_a_number_beyond_it_is_judged_by_it() {
+    let report = Desk::new(good(), None).test(everything()).unwrap();
+    for limit in LIMITS {
+        assert!(is_step(limit.step), "{}", limit.step);
+        for beyond in [limit.at_least.map(|least| least - 1.0), limit.at_most.map(|most| most + 1000.0)] {
+            let Some(value) = beyond else { continue };
+            let mut moved = report.clone();
+            let step = moved.steps.iter_mut().find(|step| step.name == limit.step).unwrap();
+            let Some(reading) = step.readings.iter_mut().find(|it| it.quantity == limit.quantity) else {
+                continue;
+            };
+            // Limits that stand in the report are not believed.
+            (reading.value, reading.at_least, reading.at_most) = (value, None, None);
+            let judged = moved.judged_again();
+            let step = judged.steps.iter().find(|step| step.name == limit.step).unwrap();
+            assert!(step.verdict >= limit.beyond, "{} {value}: {step:?}", limit.quantity);
+            assert!(step.sentence.contains(limit.remedy) || step.verdict > limit.beyond, "{step:?}");
+        }
+    }
+    assert_eq!(report.clone().judged_again(), report);
+}
+
+#[test]
+fn the_instrument_tests_the_board_at_the_users_request_and_gives_its_table_back() {
+    let mut session = Session::driving();
+    let table = |session: &Session| session.instrument.drive.snapshot().table.report.active;
+    let before = table(&session);
+    let request = SelftestRequest { is_short: true, ..SelftestRequest::default() };
+    session.instrument.perform_measure(MeasureIntent::SelftestDraft(request));
+    session.instrument.perform_measure(MeasureIntent::Selftest);
+    session.pass(200);
+    assert!(session.is_measuring(), "{}", session.notice());
+    session.end_of_measuring();
+    assert_eq!(session.notice(), "The board passes 6 of 16 steps; the others are not shown.");
+    let shown = session.instrument.shown();
+    assert_eq!(named(shown.selftest.report.unwrap(), Verdict::Red), [""; 0]);
+    assert!(!session.is_driving() && table(&session) == before);
+    // STOP ends it.
+    session.instrument.perform_measure(MeasureIntent::Selftest);
+    session.pass(2000);
+    session.instrument.press_stop();
+    session.end_of_measuring();
+    assert_eq!(session.notice(), "The self-test was cancelled.");
+    session.pass(500);
+    assert_eq!(session.instrument.drive.snapshot().drive.status.unwrap().state, State::Idle);
+    assert_eq!(table(&session), before);
+}

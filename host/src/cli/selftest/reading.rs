@@ -1,0 +1,128 @@
+//! A report read from its file: each field is checked, and an error names it.
+
+use crate::cli::schema::SCHEMA;
+use serde_json::{Map, Value};
+use slipline_instrument::selftest::{Reading, SelftestReport, StepResult, Verdict, limits_of, step};
+use slipline_plate::quantity::must_be;
+
+/// The largest file that is read.
+pub(super) const BYTES_MAX: usize = 1 << 20;
+/// Readings of a step, and letters of a text, at most.
+const READINGS_MAX: usize = 64;
+const LETTERS_MAX: usize = 1000;
+
+/// A report and its date.
+///
+/// # Errors
+/// The field that is missing or is not what it should be, and what is allowed.
+pub(super) fn report(text: &str) -> Result<(SelftestReport, String), String> {
+    let value: Value = serde_json::from_str(text).map_err(|error| format!("it is not JSON: {error}"))?;
+    let fields = Fields::of(&value, String::new())?;
+    let schema = fields.number("schema")?;
+    if schema != f64::from(SCHEMA) {
+        let allowed = format_args!("{SCHEMA}, that of this version of slipline");
+        return Err(must_be(format_args!("schema = {schema}"), allowed));
+    }
+    let report = SelftestReport {
+        board: fields.text("board")?,
+        unit: fields.text("unit")?,
+        firmware: fields.text("firmware")?,
+        build: fields.text("build")?,
+        simulated: fields.get("simulated")?.as_bool().ok_or_else(|| must_be("simulated", "true or false"))?,
+        codes_crc: fields.or_null("codes_crc", Fields::text)?,
+        steps: steps(&fields)?,
+    };
+    Ok((report, fields.text("date")?))
+}
+
+/// The steps: all of them, in their order.
+fn steps(fields: &Fields<'_>) -> Result<Vec<StepResult>, String> {
+    let list = fields.list("steps", step::ALL.len())?;
+    let steps = list.iter().enumerate().map(|(at, value)| {
+        let fields = Fields::of(value, format!("steps[{at}]."))?;
+        let (name, wanted) = (fields.text("name")?, step::ALL.get(at).copied().unwrap_or_default());
+        if name != wanted {
+            let given = format_args!("{} = {name:?}", fields.place("name"));
+            return Err(must_be(given, format_args!("{wanted:?}")));
+        }
+        read_step(name, &fields)
+    });
+    let steps: Vec<StepResult> = steps.collect::<Result<_, _>>()?;
+    match step::ALL.get(steps.len()) {
+        Some(missing) => Err(format!("steps has no step {missing:?}")),
+        None => Ok(steps),
+    }
+}
+
+fn read_step(name: String, fields: &Fields<'_>) -> Result<StepResult, String> {
+    let word = fields.text("verdict")?;
+    let verdict = Verdict::ALL.into_iter().find(|verdict| verdict.name() == word);
+    let verdict = verdict.ok_or_else(|| {
+        let given = format_args!("{} = {word:?}", fields.place("verdict"));
+        must_be(given, "skipped, green, amber or red")
+    })?;
+    let list = fields.list("readings", READINGS_MAX)?;
+    let readings = list.iter().enumerate().map(|(at, value)| {
+        let fields = Fields::of(value, format!("{}[{at}].", fields.place("readings")))?;
+        Ok::<_, String>(Reading {
+            quantity: fields.text("quantity")?,
+            value: fields.number("value")?,
+            value_unit: fields.text("value_unit")?,
+            at_least: fields.or_null("at_least", Fields::number)?,
+            at_most: fields.or_null("at_most", Fields::number)?,
+        })
+    });
+    let readings: Vec<Reading> = readings.collect::<Result<_, _>>()?;
+    let has_limit = |reading: &Reading| limits_of(&name, &reading.quantity).next().is_some();
+    if matches!(verdict, Verdict::Green | Verdict::Amber) && !readings.iter().any(has_limit) {
+        return Err(format!("{} has no number by which the step is {word}", fields.place("readings")));
+    }
+    Ok(StepResult { name, verdict, readings, sentence: fields.text("sentence")? })
+}
+
+/// The fields of an object, and where it stands.
+struct Fields<'a> {
+    fields: &'a Map<String, Value>,
+    before: String,
+}
+
+impl<'a> Fields<'a> {
+    fn of(value: &'a Value, before: String) -> Result<Self, String> {
+        let what = before.trim_end_matches('.');
+        let what = if what.is_empty() { "the report" } else { what };
+        let fields = value.as_object().ok_or_else(|| must_be(what, "an object"))?;
+        Ok(Self { fields, before })
+    }
+
+    fn place(&self, name: &str) -> String {
+        format!("{}{name}", self.before)
+    }
+
+    fn get(&self, name: &str) -> Result<&'a Value, String> {
+        self.fields.get(name).ok_or_else(|| format!("{} is missing", self.place(name)))
+    }
+
+    fn text(&self, name: &str) -> Result<String, String> {
+        let text = self.get(name)?.as_str().filter(|text| text.chars().count() <= LETTERS_MAX);
+        text.map(str::to_owned)
+            .ok_or_else(|| must_be(self.place(name), format_args!("a text of up to {LETTERS_MAX} letters")))
+    }
+
+    fn number(&self, name: &str) -> Result<f64, String> {
+        self.get(name)?.as_f64().ok_or_else(|| must_be(self.place(name), "a number"))
+    }
+
+    fn list(&self, name: &str, most: usize) -> Result<&'a [Value], String> {
+        let list = self.get(name)?.as_array().filter(|list| list.len() <= most);
+        list.map(Vec::as_slice)
+            .ok_or_else(|| must_be(self.place(name), format_args!("a list of up to {most} entries")))
+    }
+
+    fn or_null<T>(
+        &self,
+        name: &str,
+        read: impl FnOnce(&Self, &str) -> Result<T, String>,
+    ) -> Result<Option<T>, String> {
+        if self.get(name)?.is_null() { Ok(None) } else { read(self, name).map(Some) }
+    }
+}
