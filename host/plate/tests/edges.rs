@@ -129,8 +129,8 @@ fn the_fields_are_read_written_and_refused_by_their_ranges() {
     let text = preset("membrane").expect("a preset").to_toml();
     assert!(!text.contains("edge_give"), "{text}");
     let with = |line: &str| Plate::from_toml(&format!("{line}\n{text}"));
-    let plate = with("edge_give_m = 3e-4").expect("a plate");
-    assert_eq!(plate.spec().edge_give_m, Some(3e-4));
+    let plate = with("edge_give_m = 3e-4\nedge_give_tolerance_m = 1e-4").expect("a plate");
+    assert_eq!((plate.spec().edge_give_m, plate.spec().edge_give_tolerance_m), (Some(3e-4), Some(1e-4)));
     assert_eq!(Plate::from_toml(&plate.to_toml()), Ok(plate.clone()));
     let refused = |line: &str| match with(line) {
         Err(error @ PlateFileError::Plate { line: Some(1), .. }) => error.to_string(),
@@ -140,6 +140,7 @@ fn the_fields_are_read_written_and_refused_by_their_ranges() {
         ("edge_give_m = 0.006", "edge_give_m = 0.006: must be -0.002 to 0.005"),
         ("edge_give_m = -0.0021", "edge_give_m = -0.0021: must be -0.002 to 0.005"),
         ("edge_give_m = nan", "edge_give_m"),
+        ("edge_give_tolerance_m = -1e-4", "edge_give_tolerance_m = -0.0001: must be 0 to 0.005"),
     ] {
         assert!(refused(line).contains(sentence), "{}", refused(line));
     }

@@ -34,6 +34,8 @@ pub struct PlateSpec {
     /// whole plate, and the taper states W as it is cut. An edge clamped by a rotational stiffness of D/(c h) per length has
     /// delta = c h. `None` as 0.
     pub edge_give_m: Option<f64>,
+    /// Half of the 95 % interval of `edge_give_m`, metres (0 to 0.005). `None` if it is unknown.
+    pub edge_give_tolerance_m: Option<f64>,
     /// Which width decides where a wave turns.
     pub turning_width: TurningWidth,
     /// Length L from the driven end to the narrow end, metres (0.005 to 10).
@@ -387,12 +389,16 @@ impl Plate {
         Self::new(spec)
     }
 
-    /// The same plate with another taper.
+    /// The same plate with another taper, whose edges give by `more_m` metres more.
     ///
     /// # Errors
     /// As [`Plate::new`].
-    pub(crate) fn with_taper(&self, taper: Taper) -> Result<Self, PlateError> {
-        Self::sharing(PlateSpec { taper, ..self.spec.clone() }, self.strip.clone())
+    pub(crate) fn with_edges(&self, taper: Taper, more_m: f64) -> Result<Self, PlateError> {
+        let mut spec = PlateSpec { taper, ..self.spec.clone() };
+        if more_m != 0.0 {
+            spec.edge_give_m = Some(spec.edge_give_m.unwrap_or(0.0) + more_m);
+        }
+        Self::sharing(spec, self.strip.clone())
     }
 
     /// The same plate with another end, which must be valid for it.
@@ -408,6 +414,9 @@ impl Plate {
 /// # Errors
 /// They give so far inward that no plate is left at its end.
 fn edges(outline: &WidthLaw, spec: &PlateSpec) -> Result<WidthLaw, PlateError> {
+    if let Some(tolerance_m) = spec.edge_give_tolerance_m {
+        limits::EDGE_GIVE_TOLERANCE.check("edge_give_tolerance_m", tolerance_m)?;
+    }
     let Some(give_m) = spec.edge_give_m else { return Ok(outline.clone()) };
     limits::EDGE_GIVE.check("edge_give_m", give_m)?;
     let end_m = outline.at(spec.length_m).value.exp();

@@ -42,6 +42,8 @@ pub(crate) struct Rig {
     pub(crate) gain: f64,
     pub(crate) delay_s: f64,
     pub(crate) finger: Option<Finger>,
+    /// Compliance of clamped edges in two dimensions, metres.
+    pub(crate) edge_compliance_m: f64,
     pub(crate) snr_db: f64,
     /// Whether tones whose answers are not clear are measured for longer, as a device's are.
     pub(crate) averages: bool,
@@ -65,6 +67,7 @@ impl Rig {
             delay_s: random.within(0.0, 3.0) / nominal.band_hz().1,
             nominal,
             finger: None,
+            edge_compliance_m: 0.0,
             snr_db: 40.0,
             averages: false,
             boundaries: BOUNDARIES,
@@ -99,7 +102,8 @@ impl Rig {
             }),
             (Solver::Bar, _) => each(&|hz| bar::field(&self.truth, hz, POINTS)),
             (Solver::TwoDimensions, _) => {
-                let setup = plane::Setup { finger: self.finger, ..plane::Setup::of(&self.truth) };
+                let Self { finger, edge_compliance_m, .. } = *self;
+                let setup = plane::Setup { finger, edge_compliance_m, ..plane::Setup::of(&self.truth) };
                 each(&|hz| plane::respond(&self.truth, hz, POINTS, &setup).expect("in the band").amplitude)
             }
         }
