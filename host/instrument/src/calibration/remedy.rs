@@ -48,6 +48,8 @@ impl Remedy {
             | CalibrateError::OtherAir { .. }
             | CalibrateError::EdgesUnlike { .. }
             | CalibrateError::AnotherPlate { .. }
+            | CalibrateError::EdgesGive { .. }
+            | CalibrateError::CheckDiffers { .. }
             | CalibrateError::ImplausibleFeeling { .. }
             | CalibrateError::CloseMarks { .. }
             | CalibrateError::EdgesOpen { .. }
