@@ -32,7 +32,8 @@ pub struct PlateSpec {
     pub taper: Taper,
     /// How far the edges give, delta, metres (-0.002 to 0.005): every law takes the half-width W + delta, with one delta for the
     /// whole plate, and the taper states W as it is cut. An edge clamped by a rotational stiffness of D/(c h) per length has
-    /// delta = c h. `None` as 0.
+    /// delta = c h: between clamped edges laws take the half-width of the strip that cuts off like that one, which is W + delta to
+    /// the first order. `None` as 0.
     pub edge_give_m: Option<f64>,
     /// Half of the 95 % interval of `edge_give_m`, metres (0 to 0.005). `None` if it is unknown.
     pub edge_give_tolerance_m: Option<f64>,
@@ -424,7 +425,8 @@ fn edges(outline: &WidthLaw, spec: &PlateSpec) -> Result<WidthLaw, PlateError> {
     if give_m < left.low {
         return Err(left.refuse("edge_give_m", give_m, Some(Origin::EndHalfWidth(end_m + give_m))));
     }
-    Ok(outline.giving(spec.length_m, give_m))
+    let clamped = matches!(spec.model, Model::BendingClamped(_));
+    Ok(outline.giving(spec.length_m, give_m, clamped))
 }
 
 /// The half-width over which a wave swings between these edges.

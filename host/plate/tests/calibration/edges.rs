@@ -268,3 +268,77 @@ mod night {
         assert!(10 * accepted >= 9 * all && 20 * within >= 19 * accepted, "{accepted} of {all}, {within} within");
     }
 }
+
+mod explore {
+    use super::*;
+
+    fn words(name: &str) -> Vec<String> {
+        std::env::var(name).map(|it| it.split(',').map(str::to_owned).collect()).unwrap_or_default()
+    }
+
+    fn numbers(name: &str) -> Vec<f64> {
+        words(name).iter().map(|it| it.parse().unwrap()).collect()
+    }
+
+    #[test]
+    #[ignore = "explore"]
+    fn plans() {
+        for kind in words("KINDS") {
+            let nominal = nominal(&kind);
+            let free = planned(&nominal);
+            let held = planned(&with_edges(&nominal, None, Some(0.0)));
+            for (name, pair) in [("free", free.best.places_m), ("held", held.best.places_m)] {
+                let [a, b] = [&free, &held].map(|places| places.reach(pair).unwrap());
+                println!("{kind} {name} plan {pair:.4?}: with delta {:.3} mm {:.3} dB node {:.3}; without {:.3} mm {:.3} dB node {:.3}",
+                    1e3*a.boundary_tolerance_m, a.level_tolerance_db, 1e3*a.node_tolerance_m, 1e3*b.boundary_tolerance_m, b.level_tolerance_db, 1e3*b.node_tolerance_m);
+            }
+        }
+    }
+
+    #[test]
+    #[ignore = "explore"]
+    fn plates() {
+        let places = numbers("PLACES");
+        let prior = numbers("PRIOR").first().copied();
+        for kind in words("KINDS") {
+            for number in numbers("NUMBERS") {
+                let mut random = Random::new(7000 + number as u64);
+                let give_m = numbers("GIVE").first().copied().unwrap_or_else(|| random.within(0.0, 5e-4));
+                let mut rig = rig(&kind, give_m, &mut random);
+                if let Some(low) = numbers("LOW").first() { rig.measured_hz.0 *= low; }
+                let plan = if words("OLD").is_empty() { planned(&rig.nominal) } else { planned(&with_edges(&rig.nominal, None, Some(0.0))) };
+                let places_m = if places.is_empty() { plan.best.places_m } else { [places[0], places[1]] };
+                let sensors = rig.measure(places_m, POINTS, &mut random);
+                for edge_give_m in [prior, Some(HELD)] {
+                    let priors = Priors { edge_give_m, ..Priors::default() };
+                    match from_ratio(&rig.nominal, [&sensors[0], &sensors[1]], &priors) {
+                        Ok(found) => println!("{kind} {number} at {places_m:.3?} {edge_give_m:?} delta {:.3}, found {:.3} +- {:.3}; boundary {:.3} (stated {:.3}, planned {:.3}), chi2 {:.2} {:?}", 1e3*give_m,
+                            1e3 * found.plate.spec().edge_give_m.unwrap_or(0.0),
+                            1e3 * found.plate.spec().edge_give_tolerance_m.unwrap_or(0.0),
+                            1e3 * rig.errors(&found.plate).0, 1e3 * found.boundary_tolerance_m, 1e3 * plan.reach(places_m).unwrap().boundary_tolerance_m, found.chi2_per_n,
+                            found.parameters.iter().map(|it| format!("{:.4e}", it.value)).collect::<Vec<_>>()),
+                        Err(error) => println!("{kind} {number} at {places_m:.3?} {edge_give_m:?} delta {:.3}: {error}", 1e3*give_m),
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    #[ignore = "explore"]
+    fn file() {
+        let read = |text: &str| Measurement::from_csv(text).expect("a measurement");
+        let near = read(include_str!("../edges/clamp_gives_1h_a.csv"));
+        let far = read(include_str!("../edges/clamp_gives_1h_b.csv"));
+        let at = |plate: &Plate| -> Vec<f64> { [0.1, 0.13, 0.16, 0.19, 0.21].map(|x| (plate.frequency_for_boundary_hz(x))).to_vec() };
+        for give in [0.0, 2e-4, 4e-4, 6e-4, 8e-4] {
+            for prior in numbers("PRIORS") {
+                let plate = with_edges(&clamped(), Some(give), None);
+                match from_ratio(&plate, [&near, &far], &Priors { edge_give_m: Some(prior), ..Priors::default() }) {
+                    Ok(it) => println!("{give} +- {prior}: chi2 {:.3} stated {:.2} mm {:?} {:.1?}", it.chi2_per_n, 1e3*it.boundary_tolerance_m, it.parameters.iter().map(|it| format!("{}={:.4e}+-{:.1e}", it.name, it.value, 0.5*(it.high-it.low))).collect::<Vec<_>>(), at(&it.plate)),
+                    Err(error) => println!("{give} +- {prior}: {error}"),
+                }
+            }
+        }
+    }
+}

@@ -45,6 +45,8 @@ pub(crate) struct Rig {
     /// Compliance of clamped edges in two dimensions, metres.
     pub(crate) edge_compliance_m: f64,
     pub(crate) snr_db: f64,
+    /// The band in which it is measured, Hz.
+    pub(crate) measured_hz: (f64, f64),
     /// Whether tones whose answers are not clear are measured for longer, as a device's are.
     pub(crate) averages: bool,
     /// Boundaries over the span at which a table is judged.
@@ -65,6 +67,7 @@ impl Rig {
             solver,
             gain: random.factor(1e3, 1e6),
             delay_s: random.within(0.0, 3.0) / nominal.band_hz().1,
+            measured_hz: band_hz(&nominal),
             nominal,
             finger: None,
             edge_compliance_m: 0.0,
@@ -85,7 +88,7 @@ impl Rig {
 
     /// Frequencies over the band that a calibration needs, uniform in the logarithm.
     pub(crate) fn frequencies_hz(&self, count: usize) -> Vec<f64> {
-        let (low, high) = band_hz(&self.nominal);
+        let (low, high) = self.measured_hz;
         (0..count).map(|i| low * (high / low).powf(i as f64 / (count - 1) as f64)).collect()
     }
 
