@@ -149,6 +149,16 @@ pub enum CalibrateError {
         /// How far they give beyond the file's `edge_give_m`, metres.
         by_m: f64,
     },
+    /// The two places hardly show how far clamped edges give, and their effect saturates: no interval about the best value holds it.
+    #[error("the two places leave open how far the clamped edges give ({} to {}), and with it the turning points by {}: put the sensors where the plan proposes them, or state edge_give_tolerance_m in the plate file", show_length(*.low_m), show_length(*.high_m), show_length(*.boundary_m))]
+    EdgesUnseen {
+        /// Ends of the 95 % interval of how far they give, metres.
+        low_m: f64,
+        /// The upper end.
+        high_m: f64,
+        /// Half of the 95 % interval of the boundary, metres.
+        boundary_m: f64,
+    },
     /// A third place shows another plate than the two that were calibrated.
     #[error("the sensor at {} shows another plate than the two places: with the one at {} the turning points are {} off, where both intervals explain {}{}", show_place(*.place_m), show_place(*.with_m), show_length(*.off_m), show_length(*.known_m), edges_or_places(*.give_m))]
     CheckDiffers {

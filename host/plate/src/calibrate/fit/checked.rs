@@ -19,7 +19,8 @@ const SAME: f64 = 1.5;
 
 /// As [`from_ratio`], with a third measurement by the same sensor, `check`, at another place.
 ///
-/// The stated interval of the boundary is at least as wide as the check is off.
+/// The stated interval of the boundary is at least as wide as the check is off. Where the two places hardly show how far clamped edges
+/// give, the result is that of the check and the place that is farther from it.
 ///
 /// # Errors
 /// [`CalibrateError::CheckDiffers`] where the check is farther off than both intervals explain; and those of [`from_ratio`], of either
@@ -30,11 +31,15 @@ pub fn from_checked_ratio(
     check: &Measurement,
     priors: &Priors,
 ) -> Result<Calibrated, CalibrateError> {
-    let mut found = from_ratio(plate, sensors, priors)?;
     let [first, second] = sensors;
     let apart = |sensor: &Measurement| (sensor.place_m - check.place_m).abs();
     let with = if apart(first) >= apart(second) { first } else { second };
-    let again = from_ratio(plate, [with, check], priors)?;
+    let again = from_ratio(plate, [with, check], priors);
+    let mut found = match from_ratio(plate, sensors, priors) {
+        Err(CalibrateError::EdgesUnseen { .. }) => return again,
+        found => found?,
+    };
+    let again = again?;
     let off_m = off_m(&found.plate, &again.plate);
     let known_m = found.boundary_tolerance_m.hypot(again.boundary_tolerance_m);
     if off_m > SAME * known_m {

@@ -127,6 +127,11 @@ impl AcceptedFit<'_> {
         let boundary_m = self.scale() * spread.boundary_m;
         acceptance::check_carried(nominal, sensors, (boundary_m, level_db))?;
         acceptance::check_band(&fitted, self.frequencies_hz)?;
+        if self.source.is_none() {
+            let give_m = fitted.spec().edge_give_m.unwrap_or(0.0);
+            let known_m = self.scale() * spread.of_known_edges_m;
+            acceptance::check_clamped_edges(&fitted, (boundary_m, known_m), (give_m, self.half(EDGE_GIVE)))?;
+        }
 
         let half = |i: usize| self.half(i);
         let mut spec = fitted.spec().clone();
