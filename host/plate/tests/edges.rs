@@ -118,7 +118,8 @@ fn the_plate_in_time_and_in_two_dimensions_takes_the_same_edges() {
 fn clamped_edges_that_turn_against_springs_give_by_their_compliance() {
     let plate = clamped();
     let thickness_m = plate.spec().model.bending().expect("bending").thickness_m;
-    for (c, places_m) in [(0.2, &[0.11, 0.16, 0.205][..]), (0.5, &[0.11, 0.16, 0.205]), (1.0, &[0.11, 0.16])] {
+    for (c, places_m) in [(0.2, &[0.11, 0.16, 0.205][..]), (0.5, &[0.11, 0.16, 0.205]), (1.0, &[0.11, 0.16])]
+    {
         let give_m = c * thickness_m;
         let given = giving(&plate, give_m);
         let setup = plane::Setup { edge_compliance_m: give_m, ..plane::Setup::of(&plate) };

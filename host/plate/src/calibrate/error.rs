@@ -144,7 +144,7 @@ pub enum CalibrateError {
         share: f64,
     },
     /// The fit is good, but the edges would give more than those of any plate that is held.
-    #[error("the edges give by about {} beyond the plate file: hold them more firmly, or state it in the file as edge_give_m", show_length(*.by_m))]
+    #[error("the edges give by about {} beyond the plate file: hold them more firmly, or state it in the file as edge_give_m, if it is the right file", show_length(*.by_m))]
     EdgesGive {
         /// How far they give beyond the file's `edge_give_m`, metres.
         by_m: f64,

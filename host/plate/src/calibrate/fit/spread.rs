@@ -149,7 +149,13 @@ impl Spread {
             turning.shift_m(&ways.collect::<Vec<f64>>())
         };
         let boundary_per_place = (0..places_of_sensors).map(per_place).collect();
-        Some(Self { boundary_m, of_known_edges_m, speed: of_frequency / exponent, boundary_per_place, slopes })
+        Some(Self {
+            boundary_m,
+            of_known_edges_m,
+            speed: of_frequency / exponent,
+            boundary_per_place,
+            slopes,
+        })
     }
 }
 
