@@ -273,7 +273,7 @@ mod night {
         for (kind, most_mm, loss) in [
             ("membrane", 1.2, 1.5),
             ("tungsten-membrane", 1.6, 1.5),
-            ("al-bending", 0.8, 1.2),
+            ("al-bending", 0.8, 1.25),
             ("clamped", f64::INFINITY, 1.35),
         ] {
             let outcomes: Vec<Outcome> = (0..15).map(|number| Outcome::of(kind, number)).collect();
