@@ -13,7 +13,9 @@ from scipy.optimize import least_squares
 
 PROGRAM = os.environ.get("SLIPLINE_ORACLE", "target/debug/examples/oracle")
 STEPS = 2000
-PRIORS = np.array([0.1, 1.0, 4e-3, 3e-3, 2e-4, 2e-4])
+# Wave speed, loss, taper, width, how far the edges give (0.3 mm), and the places.
+PRIORS = np.array([0.1, 1.0, 4e-3, 3e-3, 3e-4, 2e-4, 2e-4])
+OF_PLATE = 5
 MODEL_ERROR = 0.015
 
 
@@ -22,11 +24,12 @@ class Membrane:
 
     name, length, frequencies = "membrane", 0.32, np.geomspace(82.0, 233.0, 60)
     bend = 1.0
-    names = ["model.wave_speed_m_per_s", "loss_factor", "taper.rate_per_m", "taper.half_width_m", "place_m", "place_m"]
+    names = ["model.wave_speed_m_per_s", "loss_factor", "taper.rate_per_m", "taper.half_width_m", "edge_give_m"]
+    names += ["place_m", "place_m"]
 
     @staticmethod
     def numbers(u):
-        return np.array([12.0 * np.exp(u[0]), 0.03 * np.exp(u[1]), 4.62 * (1 + u[2]), 0.05 * np.exp(u[3])])
+        return np.array([12.0 * np.exp(u[0]), 0.03 * np.exp(u[1]), 4.62 * (1 + u[2]), 0.05 * np.exp(u[3]), u[4]])
 
     @staticmethod
     def wavenumber_squared(numbers, omega):
@@ -43,7 +46,7 @@ class Aluminium:
 
     @staticmethod
     def numbers(u):
-        return np.array([70e9 * np.exp(4 * u[0]), 0.002 * np.exp(u[1]), 4.62 * (1 + u[2]), 0.02 * np.exp(u[3])])
+        return np.array([70e9 * np.exp(4 * u[0]), 0.002 * np.exp(u[1]), 4.62 * (1 + u[2]), 0.02 * np.exp(u[3]), u[4]])
 
     @staticmethod
     def wavenumber_squared(numbers, omega):
@@ -55,12 +58,14 @@ class Aluminium:
 def wave(plate, u):
     """Magnitudes of f at both places, one row per frequency: Numerov's method from beyond the turning point."""
     numbers = plate.numbers(u)
-    rate, half_width = numbers[2:]
+    rate, half_width, give = numbers[2:]
     h = plate.length / STEPS
     x = np.arange(int(1.6 * STEPS)) * h
-    width = half_width * np.exp(-rate * x)
+    cut = half_width * np.exp(-rate * x)
+    width = cut + give
+    slope, curvature = -rate * cut / width, rate**2 * cut / width
     # The arc that meets both edges at right angles, the term of edges that bend, and (sqrt W)''/sqrt W.
-    barrier = (np.pi / 2 * rate / np.arctan(rate * width)) ** 2 - plate.bend * rate**2 / 2 + rate**2 / 4
+    barrier = (np.pi / 2 * slope / np.arctan(slope * width)) ** 2 + (1 - plate.bend) * curvature / 2 - slope**2 / 4
     k2 = plate.wavenumber_squared(numbers, 2 * np.pi * plate.frequencies)
     q = k2[None, :] - barrier[:, None]
     p = 1 + h * h / 12 * q
@@ -73,7 +78,7 @@ def wave(plate, u):
             y[i - 1 :] /= np.abs(y[i - 1])
     on_plate = slice(0, STEPS + 1)
     field = (y / p)[on_plate] / np.sqrt(width[on_plate])[:, None]
-    return np.abs(CubicSpline(x[on_plate], field)(np.array(plate.places) + u[4:6])).T
+    return np.abs(CubicSpline(x[on_plate], field)(np.array(plate.places) + u[OF_PLATE:])).T
 
 
 def residuals(u, plate, data):
@@ -102,7 +107,7 @@ def measured(plate, truth, random):
 def calibrated(plate, data):
     """The program's parameters: rows of value, low and high; then chi^2 per residual."""
     rows = zip(plate.frequencies, data["response"], data["noise"], strict=True)
-    words = [plate.name, *plate.places, *PRIORS[4:], len(plate.frequencies)]
+    words = [plate.name, *plate.places, *PRIORS[OF_PLATE:], len(plate.frequencies)]
     for frequency, response, noise in rows:
         words.append(frequency)
         words += [word for r, s in zip(response, noise, strict=True) for word in (r.real, r.imag, s)]
@@ -115,12 +120,12 @@ def calibrated(plate, data):
 class Calibration(unittest.TestCase):
     def compare(self, plate, seed):
         random = np.random.default_rng(seed)
-        truth = np.r_[random.uniform([-0.05, -0.6, -4e-3, -3e-3], [0.05, 0.9, 4e-3, 3e-3]), 0, 0]
+        truth = np.r_[random.uniform([-0.05, -0.6, -4e-3, -3e-3, -3e-4], [0.05, 0.9, 4e-3, 3e-3, 3e-4]), 0, 0]
         data = measured(plate, truth, random)
         names, found, chi2 = calibrated(plate, data)
         self.assertEqual(names, plate.names)
         fit = least_squares(residuals, truth, args=(plate, data), x_scale=PRIORS, jac="3-point", xtol=1e-11, ftol=1e-14)
-        theirs = np.r_[plate.numbers(fit.x), np.array(plate.places) + fit.x[4:6]]
+        theirs = np.r_[plate.numbers(fit.x), np.array(plate.places) + fit.x[OF_PLATE:]]
         interval = found[:, 2] - found[:, 1]
         for name, mine, their, width in zip(names, found[:, 0], theirs, interval, strict=True):
             self.assertLessEqual(abs(mine - their), 1e-3 * width, f"{plate.name} {seed} {name}: {mine} {their} {width}")
@@ -128,8 +133,8 @@ class Calibration(unittest.TestCase):
         # The interval itself: 1.96 standard deviations of scipy's covariance to both sides.
         deviation = np.sqrt(np.diag(np.linalg.inv(fit.jac.T @ fit.jac)))
         scale = 1.96 * max(1.0, np.sqrt(chi2))
-        ends = [plate.numbers(fit.x + side * scale * np.r_[deviation[:4], 0, 0]) for side in (-1, 1)]
-        theirs = np.r_[ends[1] - ends[0], 2 * scale * deviation[4:]]
+        ends = [plate.numbers(fit.x + side * scale * np.r_[deviation[:OF_PLATE], 0, 0]) for side in (-1, 1)]
+        theirs = np.r_[ends[1] - ends[0], 2 * scale * deviation[OF_PLATE:]]
         self.assertLessEqual(np.abs(interval / theirs - 1).max(), 1e-3, f"{plate.name} {seed}: {interval} {theirs}")
 
     def test_membranes(self):

@@ -159,6 +159,9 @@ def test_a_calibration_is_drawn_beside_its_model(plate):
             off_db.append(np.median(np.abs(points - line)))
         assert off_db[0] < 0.3 and off_db[1] > 2 * off_db[0], off_db
         found.plate = actual
+    checked = plate.calibrate(list(measured(plate, [0.032, 0.12, 0.176], actual)))
+    assert checked.by == "two places and a check" and len(checked.measurements) == 3
+    assert "measured, 120 mm over 32 mm" in [line.get_label() for line in checked.plot().get_lines()]
     with pytest.raises(ValueError, match="two places or at one"):
         plate.calibrate((), touch=[(0.2, 0.201), (0.23, 0.232)]).plot()
 

@@ -173,10 +173,10 @@ def plot(fields: dict[str, Any], axes: Any) -> Any:
 
 def model_curves(fields: dict[str, Any]) -> list[tuple[str, Any, Any, Any]]:
     """Of a calibration: label, frequencies, and the measured and the modelled level in dB. Two places have one curve, the response at
-    the second one over that at the first one, in which the drive has no part; one place has the response with the level of its
+    the second one over that at the first one, in which the drive has no part, and a third place as a check has none; one place has the response with the level of its
     model, because the response is in no unit."""
-    plate, measurements = fields["plate"], fields["measurements"]
-    if plate is None or fields["by"] not in ("two places", "one sensor"):
+    plate, measurements = fields["plate"], fields["measurements"][:2]
+    if plate is None or fields["by"] not in ("two places", "two places and a check", "one sensor"):
         raise ValueError("plot() draws an accepted calibration by one sensor, at two places or at one")
     if any(measured.sensor == "strain" for measured in measurements):
         raise ValueError("plot() draws no calibration by strain: its model has none")

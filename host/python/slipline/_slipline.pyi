@@ -372,10 +372,11 @@ class Plate:
         The plate with its numbers fitted, as ``slipline calibrate``, by measurements of one sensor at two places or at one, by
         the drive's current, or by felt edges.
 
-        ``measurements`` is a sequence of one or two ``Measurement``, or ``()`` with ``touch``. ``current`` is ``"coil"`` or
-        ``"piezo"``: the measurement is that of the current. ``touch`` is a sequence of ``(asked_m, felt_m)``, with ``level``,
-        ``touch_tolerance_m``, ``touched_drive`` (``"as-told"`` or ``"unknown"``) and ``feeling`` (a file). The calipers gave
-        ``half_width_m``, ``end_half_width_m`` and ``length_m``, within ``calipers_tolerance_m``.
+        ``measurements`` is a sequence of one to three ``Measurement`` (a third place is a check), or ``()`` with ``touch``.
+        ``current`` is ``"coil"`` or ``"piezo"``: the measurement is that of the current. ``touch`` is a sequence of
+        ``(asked_m, felt_m)``, with ``level``, ``touch_tolerance_m``, ``touched_drive`` (``"as-told"`` or ``"unknown"``) and
+        ``feeling`` (a file). The calipers gave ``half_width_m``, ``end_half_width_m`` and ``length_m``, within
+        ``calipers_tolerance_m``.
 
         ``.plate`` is the calibrated plate, or ``None`` where ``.accepted`` is false; then ``.reason`` says why.
 

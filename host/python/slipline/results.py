@@ -601,7 +601,7 @@ class Calibration(Result):
     """Whether the calibration is accepted; if not, ``reason`` says why."""
     before: CalibrationBefore | None
     by: str | None
-    """The way: two places, one sensor, current or touches."""
+    """The way: two places, two places and a check, one sensor, current or touches."""
     caution: str | None
     """A caution that no measurement reveals and the user must check."""
     chi2_per_n: float | None

@@ -49,7 +49,7 @@ pub(crate) fn run(
             }
             _ => {
                 let given = format_args!("{} measurements", measurements.len());
-                let allowed = "1 or 2 of one sensor, 1 of the current, or none with touch";
+                let allowed = "1 to 3 of one sensor, 1 of the current, or none with touch";
                 return Err(Failure::wrong_arguments(given, allowed));
             }
         };

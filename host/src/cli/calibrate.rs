@@ -80,7 +80,8 @@ pub struct CalibrateArguments {
 #[command(next_help_heading = "Measurements")]
 struct MeasuredArgument {
     /// A measurement of the same sensor at one place. Give two files, of two places; a single one needs a
-    /// model of the source and is less accurate. A CSV file of PLATES.md is complete by itself. Also read are
+    /// model of the source and is less accurate. A third file, of a third place, is a check: it widens the
+    /// intervals or refuses. A CSV file of PLATES.md is complete by itself. Also read are
     /// REW's text, .frd, any table of frequency and level, universal files (58), and what a phone or an
     /// audio interface recorded of `slipline sweep`, as WAV, FLAC, ALAC (M4A) or AIFF.
     #[arg(long, value_name = "FILE")]
@@ -226,9 +227,9 @@ fn read_or_measured(
                 }
             };
         }
-        if data.len() > 2 {
+        if data.len() > 3 {
             let given = format_args!("{} files of --data", data.len());
-            return Err(Failure::Usage(must_be(given, "1 or 2, of the same sensor at one place or at two")));
+            return Err(Failure::Usage(must_be(given, "1 to 3, of the same sensor at as many places")));
         }
         return measurements(nominal, data, &arguments.sensor);
     };

@@ -100,6 +100,21 @@ fn two_places_correct_a_plate_file_that_every_other_command_takes() {
 }
 
 #[test]
+fn a_third_place_is_a_check() {
+    let plate = actual();
+    let [near, far, check] = [("check-a.csv", 0.032), ("check-b.csv", 0.12), ("check-c.csv", 0.176)]
+        .map(|(name, place_m)| data(name, &measured(&plate, place_m)));
+    let two = json(&calibrate(&[&near, &far], &[]));
+    let three = json(&calibrate(&[&near, &far, &check], &[]));
+    assert_eq!((&two["by"], &three["by"]), (&"two places".into(), &"two places and a check".into()));
+    let known_m = |value| number(value, "turning_point_tolerance_m");
+    assert!(three["accepted"] == true && known_m(&three) >= known_m(&two), "{two} {three}");
+    // The third one of another plate.
+    let other = data("check-d.csv", &measured(&actual().with_wave_speed(1.02).unwrap(), 0.176));
+    refused(&calibrate(&[&near, &far, &other], &[]), 1, &[]);
+}
+
+#[test]
 fn a_plan_proposes_two_places_and_says_what_others_would_reach() {
     let planned = |more: &[&str]| json(&[&["calibrate", "--plan", "--plate", "membrane"][..], more].concat());
     let value = planned(&[]);
@@ -312,7 +327,7 @@ fn bad_files_and_options_are_named_with_what_is_allowed() {
     let two = ["--data", path, "--data", path];
     for (more, expected) in [
         (&two[..], "bad.csv: line 2: sensor: must be one of displacement"),
-        (&["--data", path, "--data", path, "--data", path], "3 files of --data: must be 1 or 2"),
+        (&[&two[..], &two[..]].concat()[..], "4 files of --data: must be 1 to 3"),
         (&["--data", "no-such.csv", "--data", path], "no-such.csv"),
         (&[], "--data"),
         (&["--touch", "120mm"], "ASKED:FELT"),

@@ -35,9 +35,9 @@ impl Remedy {
             | CalibrateError::AnotherMass { .. }
             | CalibrateError::FewFrequencies { .. }
             | CalibrateError::NotCovered { .. } => Self::Page(WizardPage::FirstAnswer),
-            CalibrateError::DifferentSensors | CalibrateError::SamePlace { .. } => {
-                Self::Page(WizardPage::SecondPlace)
-            }
+            CalibrateError::DifferentSensors
+            | CalibrateError::SamePlace { .. }
+            | CalibrateError::EdgesUnseen { .. } => Self::Page(WizardPage::SecondPlace),
             CalibrateError::OutOfRange(_)
             | CalibrateError::WrongCount(_)
             | CalibrateError::Plate(_)
@@ -48,6 +48,8 @@ impl Remedy {
             | CalibrateError::OtherAir { .. }
             | CalibrateError::EdgesUnlike { .. }
             | CalibrateError::AnotherPlate { .. }
+            | CalibrateError::EdgesGive { .. }
+            | CalibrateError::CheckDiffers { .. }
             | CalibrateError::ImplausibleFeeling { .. }
             | CalibrateError::CloseMarks { .. }
             | CalibrateError::EdgesOpen { .. }

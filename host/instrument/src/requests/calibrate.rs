@@ -13,8 +13,8 @@ use std::borrow::Borrow;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// What these measurements are of a plate: the current of a drive, or one sensor at one place or at two. `None` for another
-/// number of them.
+/// What these measurements are of a plate: the current of a drive, or one sensor at one place, at two, or at two with a third as a
+/// check. `None` for another number of them.
 pub fn measured<M: Borrow<Measurement>>(
     measurements: &[M],
     current: Option<Transducer>,
@@ -23,6 +23,7 @@ pub fn measured<M: Borrow<Measurement>>(
         ([one], Some(drive)) => Some(Measured::Current(one.borrow(), drive)),
         ([one], None) => Some(Measured::OneSensor(one.borrow())),
         ([near, far], None) => Some(Measured::TwoPlaces([near.borrow(), far.borrow()])),
+        ([near, far, check], None) => Some(Measured::Checked([near.borrow(), far.borrow()], check.borrow())),
         _ => None,
     }
 }
@@ -103,7 +104,7 @@ mod tests {
     use slipline_plate::calibrate::SensorKind;
 
     #[test]
-    fn two_places_are_of_a_sensor_and_a_current_is_alone() {
+    fn two_or_three_places_are_of_a_sensor_and_a_current_is_alone() {
         let one = || Measurement::at(0.03, SensorKind::Displacement, Vec::new());
         let coil = Transducer::Coil;
         assert!(matches!(measured(&[one()], None), Some(Measured::OneSensor(_))));
@@ -111,7 +112,8 @@ mod tests {
         assert!(matches!(measured(&[one()], Some(coil)), Some(Measured::Current(_, Transducer::Coil))));
         assert!(measured(&[one(), one()], Some(coil)).is_none());
         assert!(measured::<Measurement>(&[], None).is_none());
-        assert!(measured(&[one(), one(), one()], None).is_none());
+        assert!(matches!(measured(&[one(), one(), one()], None), Some(Measured::Checked(..))));
+        assert!(measured(&[one(), one(), one(), one()], None).is_none());
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use slipline_plate::calibrate::{
     CalibrateError, Calibrated, Departure, ForeignRead, Measurement, Parameter, Priors, Touch, TouchedDrive,
-    Transducer, from_one_sensor, from_ratio, from_shunt, from_touches,
+    Transducer, from_checked_ratio, from_one_sensor, from_ratio, from_shunt, from_touches,
 };
 use slipline_plate::feeling::Feeling;
 use slipline_plate::quantity::Range;
@@ -23,6 +23,8 @@ pub const CALIPERS_TOLERANCE: Range = Range::new(1e-7, 0.01, "m");
 pub enum Measured<'a> {
     /// One sensor at two places.
     TwoPlaces([&'a Measurement; 2]),
+    /// The same, and at a third place as a check.
+    Checked([&'a Measurement; 2], &'a Measurement),
     /// One sensor at one place.
     OneSensor(&'a Measurement),
     /// The current of this drive.
@@ -40,6 +42,9 @@ pub fn by_measurements(
 ) -> Result<CalibrationReport, CalibrateError> {
     let (way, found) = match measured {
         Measured::TwoPlaces(sensors) => (Way::TwoPlaces, from_ratio(nominal, sensors, priors)?),
+        Measured::Checked(sensors, check) => {
+            (Way::CheckedPlaces, from_checked_ratio(nominal, sensors, check, priors)?)
+        }
         Measured::OneSensor(sensor) => (Way::OneSensor, from_one_sensor(nominal, sensor, priors)?),
         Measured::Current(current, drive) => (Way::Current, from_shunt(nominal, current, drive, priors)?),
     };
@@ -97,6 +102,8 @@ pub fn by_touches(
 pub enum Way {
     /// One sensor at two places.
     TwoPlaces,
+    /// The same, with a third place as a check.
+    CheckedPlaces,
     /// One sensor at one place, and a model of the source.
     OneSensor,
     /// The drive's current.
@@ -111,6 +118,7 @@ impl Way {
     const fn word(self) -> &'static str {
         match self {
             Self::TwoPlaces => "two places",
+            Self::CheckedPlaces => "two places and a check",
             Self::OneSensor => "one sensor",
             Self::Current => "current",
             Self::Touches | Self::TouchesOfUnknownDrive => "touches",

@@ -143,6 +143,36 @@ pub enum CalibrateError {
         /// The fitted value over the file's.
         share: f64,
     },
+    /// The fit is good, but the edges would give more than those of any plate that is held.
+    #[error("the edges give by about {} beyond the plate file: hold them more firmly, or state it in the file as edge_give_m, if it is the right file", show_length(*.by_m))]
+    EdgesGive {
+        /// How far they give beyond the file's `edge_give_m`, metres.
+        by_m: f64,
+    },
+    /// The two places hardly show how far clamped edges give, and their effect saturates: no interval about the best value holds it.
+    #[error("the two places leave open how far the clamped edges give ({} to {}), and with it the turning points by {}: put the sensors where the plan proposes them, or state edge_give_tolerance_m in the plate file", show_length(*.low_m), show_length(*.high_m), show_length(*.boundary_m))]
+    EdgesUnseen {
+        /// Ends of the 95 % interval of how far they give, metres.
+        low_m: f64,
+        /// The upper end.
+        high_m: f64,
+        /// Half of the 95 % interval of the boundary, metres.
+        boundary_m: f64,
+    },
+    /// A third place shows another plate than the two that were calibrated.
+    #[error("the sensor at {} shows another plate than the two places: with the one at {} the turning points are {} off, where both intervals explain {}{}", show_place(*.place_m), show_place(*.with_m), show_length(*.off_m), show_length(*.known_m), edges_or_places(*.give_m))]
+    CheckDiffers {
+        /// The third place, metres.
+        place_m: f64,
+        /// The other place of the pair that shows it, metres.
+        with_m: f64,
+        /// How far the boundaries of both results are apart, the most over the span, metres.
+        off_m: f64,
+        /// What their 95 % intervals explain of it, metres.
+        known_m: f64,
+        /// How far the edges give by that pair, metres; `None` where it does not show that they give.
+        give_m: Option<f64>,
+    },
     /// The fit is good, but the finger would feel like no other.
     #[error("the felt edges need a threshold of {} times the stated one, and {} to {} times are plausible: were they felt at this level, and is each beside the tone that had it?", significant(*.share, 2), significant(1.0 / *.most, 2), significant(*.most, 2))]
     ImplausibleFeeling {
@@ -239,6 +269,17 @@ pub enum CalibrateError {
         /// Wave speeds over the file's.
         shares: [f64; 2],
     },
+}
+
+/// The end of a sentence on places that show two plates.
+fn edges_or_places(give_m: Option<f64>) -> String {
+    match give_m {
+        Some(give_m) => format!(
+            ". By that pair the edges give by about {}, which the other pair does not see: calibrate with that pair",
+            show_length(give_m)
+        ),
+        None => ": has the sensor been moved off a mark, or has the plate changed in between?".to_owned(),
+    }
 }
 
 /// The air in which a plate fits, and what to state in its file.

@@ -27,6 +27,7 @@ pub use felt::touch::{Touch, TouchedDrive};
 pub use felt::touches::{Touched, from_touches};
 pub use fit::acceptance::check_places;
 pub use fit::calipers::Calipers;
+pub use fit::checked::from_checked_ratio;
 pub use fit::comparison::Comparison;
 pub use fit::departure::{Departure, departure};
 pub use fit::one_sensor::{check_source, from_one_sensor};

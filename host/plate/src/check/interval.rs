@@ -1,9 +1,10 @@
 //! The uncertainty of a plate after its calibration.
 //!
 //! The intervals of wave speed, widths and loss are correlated: each one alone would move the boundary much farther
-//! than all of them together may. So the ends of the interval are plates with the widths at the ends of their
-//! intervals, and with the wave speed that puts the boundary at an end of its interval. A light that depends on nothing
-//! else is monotone in each of these over so short a range, so a limit that holds at these corners holds between them.
+//! than all of them together may. So the ends of the interval are plates with the widths, and how far their edges give, at
+//! the ends of their intervals, and with the wave speed that puts the boundary at an end of its interval. A light that
+//! depends on nothing else is monotone in each of these over so short a range, so a limit that holds at these corners
+//! holds between them.
 
 use crate::definition::limits;
 use crate::definition::plate::Plate;
@@ -41,11 +42,14 @@ impl Interval {
         let nearest_m = limits::span_start(plate.length_m()).low;
         let mut ends = Vec::new();
         let mut is_whole = true;
-        for [side, width, taper] in corners() {
+        let give_m = plate.spec().edge_give_tolerance_m.unwrap_or(0.0);
+        for [side, width, taper, give] in corners(give_m > 0.0) {
             let scale = (width * calibration.half_width_tolerance).exp();
             let power = 1.0 + taper * calibration.taper_tolerance;
+            let cut = plate.spec().taper.stretched(scale, power);
             let place_m = (boundary_m + side * half_m).max(nearest_m);
-            match turning_at(plate, (scale, power), place_m, frequency_hz) {
+            let edges = plate.with_edges(cut, give * give_m).ok();
+            match edges.and_then(|plate| turning_at(plate, place_m, frequency_hz)) {
                 Some(plate) => ends.push(End { plate, boundary_m: place_m }),
                 None => is_whole = false,
             }
@@ -70,14 +74,16 @@ pub(super) fn boundary_words(half_m: f64) -> String {
     format!("the turning point is known to ±{}", show_length(half_m))
 }
 
-/// The signs of boundary, width and taper at the corners.
-fn corners() -> impl Iterator<Item = [f64; 3]> {
-    (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(|bit| if bit == 0 { -1.0 } else { 1.0 }))
+/// The signs of boundary, width, taper and how far the edges give at the corners; the last is 0 unless `edges_give`.
+fn corners(edges_give: bool) -> impl Iterator<Item = [f64; 4]> {
+    let sign = |bit: u32| if bit == 0 { -1.0 } else { 1.0 };
+    let give = move |i: u32| if edges_give { sign(i >> 3) } else { 0.0 };
+    (0..if edges_give { 16 } else { 8 })
+        .map(move |i| [sign(i & 1), sign(i >> 1 & 1), sign(i >> 2 & 1), give(i)])
 }
 
-/// The plate with its taper stretched, and with the wave speed at which a wave of `frequency_hz` turns at `place_m`.
-fn turning_at(plate: &Plate, (scale, power): (f64, f64), place_m: f64, frequency_hz: f64) -> Option<Plate> {
-    let mut plate = plate.with_taper(plate.spec().taper.stretched(scale, power)).ok()?;
+/// The plate with the wave speed at which a wave of `frequency_hz` turns at `place_m`.
+fn turning_at(mut plate: Plate, place_m: f64, frequency_hz: f64) -> Option<Plate> {
     // The tension also changes the edge length of a film, so this is an iteration: six steps give the place to 0.1 um.
     let steps = if plate.spec().model.film().is_some() { FILM_STEPS } else { 1 };
     for _ in 0..steps {
@@ -132,12 +138,17 @@ mod tests {
             calibration: Some(calibration),
             ..preset("membrane").expect("a preset").spec().clone()
         };
-        let plate = Plate::new(spec).expect("a plate");
-        for boundary_m in [0.1, 0.25] {
+        // Whose edges are known, and known to 0.3 mm.
+        let given = PlateSpec { edge_give_tolerance_m: Some(3e-4), ..spec.clone() };
+        let plates = [(spec, 8, 0.0), (given, 16, 3e-4)]
+            .map(|(spec, corners, give_m)| (Plate::new(spec).expect("a plate"), corners, give_m));
+        for ((plate, corners, give_m), boundary_m) in plates.iter().flat_map(|it| [(it, 0.1), (it, 0.25)]) {
             let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
-            let interval = Interval::new(&plate, boundary_m, frequency_hz).expect("calibrated");
-            assert!(interval.is_whole && interval.ends.len() == 8 && interval.boundary_m > 1e-3);
+            let interval = Interval::new(plate, boundary_m, frequency_hz).expect("calibrated");
+            assert!(interval.is_whole && interval.ends.len() == *corners && interval.boundary_m > 1e-3);
             for end in &interval.ends {
+                let more_m = end.plate.half_width_m(0.1) - end.plate.cut_half_width_m(0.1);
+                assert!((more_m.abs() - give_m).abs() < 1e-9, "{more_m}");
                 let found = end.plate.turning_point_m(frequency_hz).expect("enters");
                 assert!(
                     (found - end.boundary_m).abs() < 1e-6,

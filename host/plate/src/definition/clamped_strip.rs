@@ -24,9 +24,14 @@
 //! uses.
 
 use num_complex::Complex64;
+use std::f64::consts::PI;
 
+/// q: W K at the cut-off.
+const CUT_OFF_ROOT: f64 = 2.365_020_372_431_352;
 /// q^2: t at the cut-off.
-pub(crate) const CUT_OFF: f64 = 2.365_020_372_431_352 * 2.365_020_372_431_352;
+pub(crate) const CUT_OFF: f64 = CUT_OFF_ROOT * CUT_OFF_ROOT;
+/// Steps of Newton's method for edges that turn.
+const TURNING_STEPS: usize = 8;
 /// Newton's method ends at this relative step; the next step would be below rounding.
 const STEP_LEAST: f64 = 1e-9;
 const STEPS_MAX: usize = 40;
@@ -46,6 +51,27 @@ pub(crate) struct StripLaw {
     pub(crate) weight: Complex64,
     /// d ln Omega/dt.
     pub(crate) weight_slope: Complex64,
+}
+
+/// The half-width, over W, of the clamped strip that cuts off as one of half-width W does whose edges turn against a stiffness of
+/// D/(share W) per length, and the derivative of its logarithm by that share (0 or more).
+///
+/// Such a strip cuts off where tan p + tanh p = -2 p share: at q without a share, and at pi/2, as between supported edges, where it
+/// is large.
+pub(crate) fn of_turning_edges(share: f64) -> (f64, f64) {
+    // p = pi - atan(tanh p + 2 p share) has no pole.
+    let turned = |p: f64| {
+        let tanh = p.tanh();
+        let (value, slope) = (tanh + 2.0 * p * share, 1.0 - tanh * tanh + 2.0 * share);
+        (value, slope, 1.0 + value * value)
+    };
+    let mut p = CUT_OFF_ROOT;
+    for _ in 0..TURNING_STEPS {
+        let (value, slope, square) = turned(p);
+        p -= (p - PI + value.atan()) / (1.0 + slope / square);
+    }
+    let (_, slope, square) = turned(p);
+    (CUT_OFF_ROOT / p, 2.0 / (square + slope))
 }
 
 impl StripLaw {
@@ -138,6 +164,26 @@ mod tests {
         (1..=steps).fold(entered, |law, i| {
             law.step_to(entered.t * ratio.powf(2.0 * f64::from(i) / f64::from(steps)))
         })
+    }
+
+    #[test]
+    fn edges_that_turn_widen_a_strip_from_clamped_to_supported() {
+        for share in [1e-6, 0.03, 0.1, 0.5, 3.0, 100.0] {
+            let (wider, rise) = of_turning_edges(share);
+            let p = CUT_OFF_ROOT / wider;
+            let rest = p.sin() + p.cos() * (p.tanh() + 2.0 * p * share);
+            assert!(rest.abs() < 1e-13 * (1.0 + share), "{share}: {rest}");
+            let step = 1e-5 * share;
+            let [above, below] = [share + step, share - step].map(|at| of_turning_edges(at).0.ln());
+            assert!(((above - below) / (2.0 * step) / rise - 1.0).abs() < 1e-5, "{share}: {rise}");
+        }
+        let (wider, rise) = of_turning_edges(0.0);
+        assert!((wider - 1.0).abs() < 1e-15 && (rise - 1.0).abs() < 1e-14, "{wider} {rise}");
+        // W + delta to the first order, 2.3 (delta/W)^2 less to the second.
+        let second = (1.0 + 1e-3 - of_turning_edges(1e-3).0) / 1e-6;
+        assert!((second - 2.3).abs() < 0.1, "{second}");
+        let supported = CUT_OFF_ROOT / (0.5 * PI);
+        assert!((of_turning_edges(1e6).0 / supported - 1.0).abs() < 1e-6);
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub const FULL_SCALE: Range = Range::new(1e-9, 0.1, "m");
 pub const HALF_WIDTH: Range = Range::new(1e-5, 10.0, "m");
 /// How far the edges give: a kerf or a frame that turns inward makes it negative.
 pub const EDGE_GIVE: Range = Range::new(-0.002, 0.005, "m");
+/// How well that is known.
+pub(crate) const EDGE_GIVE_TOLERANCE: Range = Range::new(0.0, 0.005, "m");
 /// Rate of an exponential taper.
 pub(crate) const TAPER_RATE: Range = Range::new(0.01, 1000.0, "1/m");
 /// Position of a point of a sampled taper.

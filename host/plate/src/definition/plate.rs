@@ -32,8 +32,11 @@ pub struct PlateSpec {
     pub taper: Taper,
     /// How far the edges give, delta, metres (-0.002 to 0.005): every law takes the half-width W + delta, with one delta for the
     /// whole plate, and the taper states W as it is cut. An edge clamped by a rotational stiffness of D/(c h) per length has
-    /// delta = c h. `None` as 0.
+    /// delta = c h: between clamped edges laws take the half-width of the strip that cuts off like that one, which is W + delta to
+    /// the first order. `None` as 0.
     pub edge_give_m: Option<f64>,
+    /// Half of the 95 % interval of `edge_give_m`, metres (0 to 0.005). `None` if it is unknown.
+    pub edge_give_tolerance_m: Option<f64>,
     /// Which width decides where a wave turns.
     pub turning_width: TurningWidth,
     /// Length L from the driven end to the narrow end, metres (0.005 to 10).
@@ -387,12 +390,16 @@ impl Plate {
         Self::new(spec)
     }
 
-    /// The same plate with another taper.
+    /// The same plate with another taper, whose edges give by `more_m` metres more.
     ///
     /// # Errors
     /// As [`Plate::new`].
-    pub(crate) fn with_taper(&self, taper: Taper) -> Result<Self, PlateError> {
-        Self::sharing(PlateSpec { taper, ..self.spec.clone() }, self.strip.clone())
+    pub(crate) fn with_edges(&self, taper: Taper, more_m: f64) -> Result<Self, PlateError> {
+        let mut spec = PlateSpec { taper, ..self.spec.clone() };
+        if more_m != 0.0 {
+            spec.edge_give_m = Some(spec.edge_give_m.unwrap_or(0.0) + more_m);
+        }
+        Self::sharing(spec, self.strip.clone())
     }
 
     /// The same plate with another end, which must be valid for it.
@@ -408,6 +415,9 @@ impl Plate {
 /// # Errors
 /// They give so far inward that no plate is left at its end.
 fn edges(outline: &WidthLaw, spec: &PlateSpec) -> Result<WidthLaw, PlateError> {
+    if let Some(tolerance_m) = spec.edge_give_tolerance_m {
+        limits::EDGE_GIVE_TOLERANCE.check("edge_give_tolerance_m", tolerance_m)?;
+    }
     let Some(give_m) = spec.edge_give_m else { return Ok(outline.clone()) };
     limits::EDGE_GIVE.check("edge_give_m", give_m)?;
     let end_m = outline.at(spec.length_m).value.exp();
@@ -415,7 +425,8 @@ fn edges(outline: &WidthLaw, spec: &PlateSpec) -> Result<WidthLaw, PlateError> {
     if give_m < left.low {
         return Err(left.refuse("edge_give_m", give_m, Some(Origin::EndHalfWidth(end_m + give_m))));
     }
-    Ok(outline.giving(spec.length_m, give_m))
+    let clamped = matches!(spec.model, Model::BendingClamped(_));
+    Ok(outline.giving(spec.length_m, give_m, clamped))
 }
 
 /// The half-width over which a wave swings between these edges.

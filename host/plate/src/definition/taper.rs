@@ -3,6 +3,7 @@
 //! The plate spans z = -W..+W. Beyond the plate's end the taper is continued, so that the tail of the wave decays as
 //! on a longer plate.
 
+use crate::definition::clamped_strip::of_turning_edges;
 use crate::definition::error::{Origin, PlateError};
 use crate::definition::limits;
 use crate::quantity::Range;
@@ -170,10 +171,16 @@ impl WidthLaw {
 
     /// The half-width between edges that give by `give_m`: W + delta. Straight edges stay straight.
     ///
-    /// A narrow plate must be left at its end: W(L) + delta > 0.
-    pub(crate) fn giving(&self, length_m: f64, give_m: f64) -> Self {
+    /// Of `clamped` edges delta is how far they turn: the half-width is that of [`of_turning_edges`], W + delta to the first order. A
+    /// narrow plate must be left at its end: W(L) + delta > 0.
+    pub(crate) fn giving(&self, length_m: f64, give_m: f64, clamped: bool) -> Self {
         match self {
             law if give_m == 0.0 => law.clone(),
+            law if clamped && give_m > 0.0 => law.mapped(length_m, law.reach_m(), |at| {
+                let share = give_m / at.value.exp();
+                let (wider, rise) = of_turning_edges(share);
+                (at.value + wider.ln(), at.slope * (1.0 - share * rise))
+            }),
             Self::Linear { half_width_m, fall } => {
                 Self::Linear { half_width_m: half_width_m + give_m, fall: *fall }
             }

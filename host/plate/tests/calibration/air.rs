@@ -90,7 +90,7 @@ fn a_light_membrane_in_air_of_unknown_mounting_is_calibrated() {
     let coefficient = stated("air.coefficient");
     assert!((coefficient.low..coefficient.high).contains(&alpha) && coefficient.value == alpha);
     assert!(distant.abs() < 0.1 && stated("air.distant_share").value == distant, "{distant}");
-    assert_eq!(found.parameters.len(), 8, "{:?}", found.parameters);
+    assert_eq!(found.parameters.len(), 9, "{:?}", found.parameters);
 }
 
 /// What a sensor of this noise shows at two places of a plate, without codes: of 12 bits no noise is below 70 dB.

@@ -4,6 +4,7 @@
 mod air;
 mod bar;
 mod drive_check;
+mod edges;
 mod foreign;
 mod levels;
 mod misuse;

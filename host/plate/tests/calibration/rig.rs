@@ -42,7 +42,11 @@ pub(crate) struct Rig {
     pub(crate) gain: f64,
     pub(crate) delay_s: f64,
     pub(crate) finger: Option<Finger>,
+    /// Compliance of clamped edges in two dimensions, metres.
+    pub(crate) edge_compliance_m: f64,
     pub(crate) snr_db: f64,
+    /// The band in which it is measured, Hz.
+    pub(crate) measured_hz: (f64, f64),
     /// Whether tones whose answers are not clear are measured for longer, as a device's are.
     pub(crate) averages: bool,
     /// Boundaries over the span at which a table is judged.
@@ -63,8 +67,10 @@ impl Rig {
             solver,
             gain: random.factor(1e3, 1e6),
             delay_s: random.within(0.0, 3.0) / nominal.band_hz().1,
+            measured_hz: band_hz(&nominal),
             nominal,
             finger: None,
+            edge_compliance_m: 0.0,
             snr_db: 40.0,
             averages: false,
             boundaries: BOUNDARIES,
@@ -82,7 +88,7 @@ impl Rig {
 
     /// Frequencies over the band that a calibration needs, uniform in the logarithm.
     pub(crate) fn frequencies_hz(&self, count: usize) -> Vec<f64> {
-        let (low, high) = band_hz(&self.nominal);
+        let (low, high) = self.measured_hz;
         (0..count).map(|i| low * (high / low).powf(i as f64 / (count - 1) as f64)).collect()
     }
 
@@ -99,7 +105,8 @@ impl Rig {
             }),
             (Solver::Bar, _) => each(&|hz| bar::field(&self.truth, hz, POINTS)),
             (Solver::TwoDimensions, _) => {
-                let setup = plane::Setup { finger: self.finger, ..plane::Setup::of(&self.truth) };
+                let Self { finger, edge_compliance_m, .. } = *self;
+                let setup = plane::Setup { finger, edge_compliance_m, ..plane::Setup::of(&self.truth) };
                 each(&|hz| plane::respond(&self.truth, hz, POINTS, &setup).expect("in the band").amplitude)
             }
         }

@@ -3,7 +3,7 @@
 use super::rig::{Random, Rig, Solver};
 use super::{calibrated, count};
 use slipline_plate::calibrate::{Placing, SensorPlaces};
-use slipline_plate::{Equation, Plate, preset, respond_batch};
+use slipline_plate::{Equation, Plate, PlateSpec, preset, respond_batch};
 
 /// The noise of a device's answers below the signals: its lock-ins take much of the input's away.
 const SNR_DB: f64 = 60.0;
@@ -65,7 +65,13 @@ fn the_wave_before_the_boundary_is_calibrated_within_a_hundredth_on_twenty_plate
 #[test]
 fn a_pair_next_to_the_boundary_does_not_know_the_nodes_at_the_driven_end() {
     let plate = preset("al-bending").expect("a preset");
-    let places = proposed(&plate, 150);
+    // Neither does it know the boundary where nobody knows how far the edges give.
+    let open = proposed(&plate, 150);
+    let beside = open.reach([0.214, 0.246]).expect("a pair");
+    assert!(beside.boundary_tolerance_m > 1.2 * open.best.boundary_tolerance_m, "{beside:?} {:?}", open.best);
+    assert!(beside.node_tolerance_m > 4.0 * open.best.node_tolerance_m, "{beside:?} {:?}", open.best);
+    let known = PlateSpec { edge_give_tolerance_m: Some(0.0), ..plate.spec().clone() };
+    let places = proposed(&Plate::new(known).expect("a plate"), 150);
     let beside = places.reach([0.214, 0.246]).expect("a pair");
     // The golden numbers of PHYSICS.md.
     assert!((beside.boundary_tolerance_m - 0.44e-3).abs() < 0.01e-3, "{beside:?}");

@@ -310,10 +310,11 @@ impl Plate {
     /// The plate with its numbers fitted, as ``slipline calibrate``, by measurements of one sensor at two places or at one, by
     /// the drive's current, or by felt edges.
     ///
-    /// ``measurements`` is a sequence of one or two ``Measurement``, or ``()`` with ``touch``. ``current`` is ``"coil"`` or
-    /// ``"piezo"``: the measurement is that of the current. ``touch`` is a sequence of ``(asked_m, felt_m)``, with ``level``,
-    /// ``touch_tolerance_m``, ``touched_drive`` (``"as-told"`` or ``"unknown"``) and ``feeling`` (a file). The calipers gave
-    /// ``half_width_m``, ``end_half_width_m`` and ``length_m``, within ``calipers_tolerance_m``.
+    /// ``measurements`` is a sequence of one to three ``Measurement`` (a third place is a check), or ``()`` with ``touch``.
+    /// ``current`` is ``"coil"`` or ``"piezo"``: the measurement is that of the current. ``touch`` is a sequence of
+    /// ``(asked_m, felt_m)``, with ``level``, ``touch_tolerance_m``, ``touched_drive`` (``"as-told"`` or ``"unknown"``) and
+    /// ``feeling`` (a file). The calipers gave ``half_width_m``, ``end_half_width_m`` and ``length_m``, within
+    /// ``calipers_tolerance_m``.
     ///
     /// ``.plate`` is the calibrated plate, or ``None`` where ``.accepted`` is false; then ``.reason`` says why.
     ///
@@ -336,7 +337,7 @@ impl Plate {
         length_m: Option<f64>,
         calipers_tolerance_m: Option<f64>,
     ) -> PyResult<Answer<Calibration>> {
-        let measurements: Vec<Bound<'_, Measurement>> = items("measurements", measurements, 2)?;
+        let measurements: Vec<Bound<'_, Measurement>> = items("measurements", measurements, 3)?;
         let measured = measurements.iter().map(|measurement| Arc::clone(&measurement.get().inner)).collect();
         let current = calibrate::transducer(current)?;
         let calipers = calibrate::calipers(half_width_m, end_half_width_m, length_m, calipers_tolerance_m)?;

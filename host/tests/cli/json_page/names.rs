@@ -19,7 +19,7 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ("board", "text", "The board"),
     ("brown_out_guarded", "true or false", "Whether the brown-out level is set; null for an older device"),
     ("build", "text", "The firmware's build"),
-    ("by", "text", "The way: two places, one sensor, current or touches"),
+    ("by", "text", "The way: two places, two places and a check, one sensor, current or touches"),
     ("caution", "text", "A caution that no measurement reveals and the user must check"),
     ("chi2_per_n", "1", "Square of the deviation per answer, in units of its noise"),
     (

@@ -1,6 +1,6 @@
 //! Adaptive importance sampling of the plates and drives that agree with few data.
 //!
-//! With a handful of data for ten unknowns, least squares give one of many solutions that fit equally well. The best
+//! With a handful of data for eleven unknowns, least squares give one of many solutions that fit equally well. The best
 //! estimate is the mean over all of them, each weighted by its likelihood. The first samples are drawn from the
 //! prior. Where too few of them fit, up to six further stages draw from a normal distribution with the weighted mean
 //! and covariance of the stage before, with a larger standard deviation (`WIDER`). The weight is prior x likelihood
@@ -14,9 +14,9 @@ use crate::truth::Random;
 use nalgebra::{SMatrix, SVector};
 
 /// Coordinates of a sample.
-pub(crate) const COUNT: usize = 10;
+pub(crate) const COUNT: usize = 11;
 /// Coordinates of the outer part, which come first.
-pub(crate) const OUTER: usize = 4;
+pub(crate) const OUTER: usize = 5;
 
 pub(crate) type Coordinates = SVector<f64, COUNT>;
 pub(crate) type Covariance = SMatrix<f64, COUNT, COUNT>;

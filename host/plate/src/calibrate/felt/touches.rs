@@ -16,7 +16,7 @@ use crate::calibrate::error::CalibrateError;
 use crate::calibrate::fit::acceptance::{CHI2_PER_N_MAX, SPEED_MAX};
 use crate::calibrate::fit::parameter::{Parameter, numbers};
 use crate::calibrate::fit::response::plate_response::takes_a_source;
-use crate::calibrate::fit::unknowns::{HALF_WIDTH, LOSS, Priors, SPEED, TAPER};
+use crate::calibrate::fit::unknowns::{EDGE_GIVE, HALF_WIDTH, LOSS, Priors, SPEED, TAPER};
 use crate::definition::{Calibration, Impedance, Plate, limits};
 use crate::feeling::Feeling;
 use crate::truth::{DriveSpread, Random};
@@ -82,8 +82,9 @@ pub fn from_touches(
             Some(DriveSpread::of(plate))
         }
     };
-    let [speed, loss, taper, half_width] = priors.deviations();
-    let deviations = [speed.min(SPEED_KNOWN), loss.min(LOSS_KNOWN), taper, half_width];
+    let mut deviations = priors.deviations(plate.spec());
+    deviations[SPEED] = deviations[SPEED].min(SPEED_KNOWN);
+    deviations[LOSS] = deviations[LOSS].min(LOSS_KNOWN);
     let highest_hz = touches.iter().map(|touch| touch.frequency_hz).fold(plate.band_hz().1, f64::max);
     let near = Near::new(plate, feeling, spread, deviations, highest_hz);
     let tones = touched_tones(&near, touches);
@@ -181,6 +182,8 @@ impl Posterior<'_> {
             self.half(SPEED, near.deviations[SPEED]).min(limits::WAVE_SPEED_TOLERANCE.high);
         let loss = self.half(LOSS, near.deviations[LOSS]).exp() - 1.0;
         spec.loss_tolerance = Some(loss.min(limits::LOSS_TOLERANCE.high));
+        let edge_give_m = self.half(EDGE_GIVE, near.deviations[EDGE_GIVE]);
+        spec.edge_give_tolerance_m = Some(edge_give_m.min(limits::EDGE_GIVE_TOLERANCE.high));
         // A drive as stated keeps the measured levels of the calibration before.
         let before = nominal.calibration.as_ref().filter(|_| near.drive.is_none());
         spec.calibration = Some(Calibration {

@@ -1,21 +1,25 @@
 //! The limits within which a fit is accepted, and the refusals beyond them.
 
 use super::pairs::Pair;
-use super::unknowns::{HALF_WIDTH, SPEED, TAPER};
+use super::unknowns::{EDGE_GIVE, HALF_WIDTH, INTERVAL, SPEED, TAPER};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
-use crate::definition::Plate;
+use crate::definition::{Model, Plate};
 
-/// Fewest frequencies that both sensors measured: twice the number of what is fitted.
+/// Fewest frequencies that both sensors measured: twice the number of what is fitted but for how far the edges give, which is known
+/// beforehand.
 const FREQUENCIES_MIN: usize = 12;
 /// Largest chi^2 over the number of residuals. On plates in two dimensions it is up to 4.7 where the one-mode
 /// equation serves; a finger that moves the boundary by 1 mm makes 12 and more.
 pub(crate) const CHI2_PER_N_MAX: f64 = 6.0;
 /// Farthest that a wave speed may be from the file's, as a logarithm: no material is less well known.
 pub(crate) const SPEED_MAX: f64 = 0.12;
-/// Standard deviations by which the widths and the places together may differ from what was known beforehand: the root of
+/// Standard deviations by which the widths, the edges and the places together may differ from what was known beforehand: the root of
 /// the sum of their squares. A sensor 10 mm from its mark spreads its mistake over all of them.
 const DEVIATIONS_MAX: f64 = 4.5;
+/// Largest standard deviation of the boundary over the one that is left if how far clamped edges give is known. The planned places
+/// have 1.2 to 1.3.
+const CLAMPED_OPEN_MAX: f64 = 1.75;
 /// Largest standard deviation of the boundary over the plate's length, and of the carried level in dB.
 const BOUNDARY_MAX: f64 = 5e-3;
 pub(crate) const LEVEL_MAX_DB: f64 = 1.5;
@@ -65,7 +69,7 @@ pub(crate) fn check_coordinates(
         return Err(CalibrateError::AnotherPlate { what: "wave speed", share: coordinates[SPEED].exp() });
     }
     let in_deviations = |at: usize| coordinates[at] / deviations[at];
-    let known = [HALF_WIDTH, TAPER].into_iter().chain((0..sensors.len()).map(|i| of_plate + i));
+    let known = [HALF_WIDTH, TAPER, EDGE_GIVE].into_iter().chain((0..sensors.len()).map(|i| of_plate + i));
     let square: f64 = known.clone().map(|at| in_deviations(at).powi(2)).sum();
     if square <= DEVIATIONS_MAX * DEVIATIONS_MAX {
         return Ok(());
@@ -76,12 +80,28 @@ pub(crate) fn check_coordinates(
             what: "half-width at the driven end",
             share: coordinates[HALF_WIDTH].exp(),
         },
+        Some(EDGE_GIVE) => CalibrateError::EdgesGive { by_m: coordinates[EDGE_GIVE] },
         Some(at) if at >= of_plate => {
             let place_m = sensors[at - of_plate].place_m;
             CalibrateError::Misplaced { place_m, found_m: place_m + coordinates[at] }
         }
         _ => CalibrateError::AnotherPlate { what: "taper", share: 1.0 + coordinates[TAPER] },
     })
+}
+
+/// Refuses two places that hardly show how far clamped edges give: what they do to the wave saturates, so that a fit takes one of 0.8
+/// mm for one of 0.4. `known_m` is the boundary's deviation if it were known, `give_m` its value with half of its interval.
+pub(crate) fn check_clamped_edges(
+    plate: &Plate,
+    (boundary_m, known_m): (f64, f64),
+    (give_m, half_m): (f64, f64),
+) -> Result<(), CalibrateError> {
+    let is_clamped = matches!(plate.spec().model, Model::BendingClamped(_));
+    if !is_clamped || boundary_m <= CLAMPED_OPEN_MAX * known_m {
+        return Ok(());
+    }
+    let (low_m, high_m) = (give_m - half_m, give_m + half_m);
+    Err(CalibrateError::EdgesUnseen { low_m, high_m, boundary_m: INTERVAL * boundary_m })
 }
 
 /// Refuses measurements at rising `frequencies_hz` that do not cover the span of the fitted plate.

@@ -14,7 +14,7 @@ use super::response::wave::{COARSE, FINE, points};
 use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
 use super::source::data::Datum;
 use super::source::source_model::SourceModel;
-use super::unknowns::{HELD, OF_PLATE, Priors, SPEED, of_baffle, of_plate, spec_at};
+use super::unknowns::{EDGE_GIVE, HELD, OF_PLATE, Priors, SPEED, of_baffle, of_plate, spec_at, with_speed};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorBody, SensorKind};
 use crate::definition::{Plate, PlateSpec};
@@ -60,7 +60,11 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         let frequencies_hz: Vec<f64> = points.iter().map(|point| point.frequency_hz).collect();
         let of_place = sensor.iter().map(|sensor| sensor.place_tolerance_m.max(PLACE_STEP_M));
         let of_mass = sensor.and_then(Measurement::body).map(|_| OF_MASS);
-        let of_plate = priors.deviations_of(plate.spec());
+        let mut of_plate = priors.deviations_of(plate.spec());
+        // One place does not tell edges that give from another length: without a stated tolerance they are those of the file.
+        if priors.edge_give_m.or(plate.spec().edge_give_tolerance_m).is_none() {
+            of_plate[EDGE_GIVE] = HELD;
+        }
         let known = of_plate.into_iter().chain(of_place).chain(of_mass);
         let deviations = known.chain(source.deviations()).collect();
         let highest_hz = frequencies_hz.last().copied().unwrap_or(0.0);
@@ -257,10 +261,10 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
             is_new
         });
         let starts = |(_, [speed, loss]): (f64, [f64; 2])| {
-            let answers = on_plate([speed, loss, 0.0, 0.0]).unwrap_or_default();
+            let answers = on_plate(with_speed(speed, loss)).unwrap_or_default();
             let zeros = self.of_source() - OF_PLATE;
             let whole = move |source: Vec<f64>| {
-                let of_plate = [speed, loss, 0.0, 0.0].into_iter().chain(repeat_n(0.0, zeros));
+                let of_plate = with_speed(speed, loss).into_iter().chain(repeat_n(0.0, zeros));
                 of_plate.chain(source).collect::<Vec<f64>>()
             };
             self.source.starts(&some, &answers).into_iter().map(whole).collect::<Vec<_>>()

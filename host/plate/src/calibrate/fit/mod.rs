@@ -2,6 +2,7 @@
 //! follow. What a finger feels is in [`super::felt`].
 //!
 //! ```text
+//! checked: two_places, twice
 //! two_places -> ratio ------+-> search -> acceptance -> spread -> gain (gaussian_process) -> result
 //! one_sensor -> joint_fit --+
 //! shunt ------> joint_fit --+
@@ -10,6 +11,7 @@
 
 pub(crate) mod acceptance;
 pub(crate) mod calipers;
+pub(crate) mod checked;
 pub(crate) mod comparison;
 pub(crate) mod departure;
 pub(crate) mod gain;

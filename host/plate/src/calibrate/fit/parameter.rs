@@ -1,10 +1,8 @@
 //! Calibrated numbers by their names in a plate file, with their intervals.
 
+pub(crate) use super::unknowns::INTERVAL;
 use super::unknowns::{OF_PLATE, of_plate, spec_at};
 use crate::definition::{Air, Model, PlateSpec, Taper};
-
-/// Standard deviations of a 95 % interval.
-pub(crate) const INTERVAL: f64 = 1.96;
 
 /// A calibrated number of the plate or of a sensor.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -71,7 +69,9 @@ pub(crate) fn numbers(spec: &PlateSpec) -> Vec<(&'static str, f64)> {
     let of_air = air
         .into_iter()
         .flat_map(|it| [("air.coefficient", it.coefficient().0), ("air.distant_share", it.distant())]);
-    let of_all = [speed, ("loss_factor", spec.loss_factor), taper, ("taper.half_width_m", half_width_m)];
+    let edge_give = ("edge_give_m", spec.edge_give_m.unwrap_or(0.0));
+    let half_width = ("taper.half_width_m", half_width_m);
+    let of_all = [speed, ("loss_factor", spec.loss_factor), taper, half_width, edge_give];
     let count = of_plate(spec) - OF_PLATE;
     of_all.into_iter().chain(of_air.take(count)).collect()
 }

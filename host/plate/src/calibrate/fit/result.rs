@@ -6,7 +6,7 @@ use super::least_squares::Fit;
 use super::parameter::{INTERVAL, Parameter, parameters_of_plate};
 use super::source::source_file::FittedSource;
 use super::spread::Spread;
-use super::unknowns::{HALF_WIDTH, LOSS, TAPER, of_plate, spec_at};
+use super::unknowns::{EDGE_GIVE, HALF_WIDTH, HELD, LOSS, TAPER, of_plate, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::Measurement;
 use crate::definition::{Calibration, Plate, limits};
@@ -127,6 +127,11 @@ impl AcceptedFit<'_> {
         let boundary_m = self.scale() * spread.boundary_m;
         acceptance::check_carried(nominal, sensors, (boundary_m, level_db))?;
         acceptance::check_band(&fitted, self.frequencies_hz)?;
+        if self.source.is_none() {
+            let give_m = fitted.spec().edge_give_m.unwrap_or(0.0);
+            let known_m = self.scale() * spread.of_known_edges_m;
+            acceptance::check_clamped_edges(&fitted, (boundary_m, known_m), (give_m, self.half(EDGE_GIVE)))?;
+        }
 
         let half = |i: usize| self.half(i);
         let mut spec = fitted.spec().clone();
@@ -134,6 +139,10 @@ impl AcceptedFit<'_> {
         spec.wave_speed_tolerance = speed.min(limits::WAVE_SPEED_TOLERANCE.high);
         let loss = half(LOSS).exp() - 1.0;
         spec.loss_tolerance = Some(loss.min(limits::LOSS_TOLERANCE.high));
+        let edges_are_held = self.deviations[EDGE_GIVE] <= HELD;
+        if !edges_are_held {
+            spec.edge_give_tolerance_m = Some(half(EDGE_GIVE).min(limits::EDGE_GIVE_TOLERANCE.high));
+        }
         spec.calibration = Some(Calibration {
             chi2_per_n: self.chi2_per_n,
             half_width_tolerance: half(HALF_WIDTH).min(1.0),
@@ -144,6 +153,9 @@ impl AcceptedFit<'_> {
             correction: Some(correction),
         });
         let mut parameters = parameters_of_plate(nominal.spec(), &fit.parameters, half);
+        if edges_are_held {
+            parameters.remove(EDGE_GIVE);
+        }
         for (i, sensor) in (of_plate..).zip(sensors) {
             parameters.push(Parameter::about("place_m", sensor.place_m + fit.parameters[i], half(i)));
         }

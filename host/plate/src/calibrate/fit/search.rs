@@ -4,7 +4,7 @@
 use super::acceptance::CHI2_PER_N_MAX;
 use super::least_squares::{self, Fit, Problem, minima, slope};
 use super::response::wave::{COARSE, FINE};
-use super::unknowns::{OF_PLATE, STEPS};
+use super::unknowns::{OF_PLATE, STEPS, with_speed};
 
 /// Model error during the scan: it widens the valleys, so that fewer places must be tried, and beside a node little is to be
 /// learnt as long as the plate is wrong.
@@ -153,7 +153,7 @@ pub(crate) fn scan(
     let speed = |i: usize| slowest + (fastest - slowest) * i as f64 / count;
     let mut found = Vec::new();
     for loss in LOSSES.map(f64::ln) {
-        let chi2 = |i: usize| chi2([speed(i), loss, 0.0, 0.0]).unwrap_or(f64::INFINITY);
+        let chi2 = |i: usize| chi2(with_speed(speed(i), loss)).unwrap_or(f64::INFINITY);
         let along: Vec<f64> = (0..=count as usize).map(chi2).collect();
         found.extend(minima(&along).map(|(i, here)| (here, [speed(i), loss])));
     }

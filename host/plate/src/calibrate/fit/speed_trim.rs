@@ -22,7 +22,7 @@ use super::result::Calibrated;
 use super::source::data::{entering, of_deflection};
 use super::source::sensor_signal::SensorSignal;
 use super::source::source_model::SourceModel;
-use super::unknowns::{Priors, SPEED, of_plate, spec_at};
+use super::unknowns::{Priors, SPEED, of_plate, spec_at, with_speed};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorBody};
 use crate::calibrate::measurement::signal;
@@ -35,6 +35,8 @@ const SPEED_KNOWN: f64 = 0.03;
 const LOSS_KNOWN: f64 = 0.3;
 /// What is known of the widths over those of the file: they are those at which it was calibrated.
 const WIDTHS_KNOWN: f64 = 1e-5;
+/// The same of how far its edges give, metres.
+const EDGE_GIVE_KNOWN_M: f64 = 1e-7;
 /// The same of its air, which the calibration found.
 const AIR_KNOWN: f64 = 1e-5;
 /// Share of what a calibration leaves open of the widths that is left of the speed: their errors go together.
@@ -118,11 +120,13 @@ impl SpeedTrim {
             loss: LOSS_KNOWN,
             taper: WIDTHS_KNOWN,
             half_width: WIDTHS_KNOWN,
+            edge_give_m: Some(EDGE_GIVE_KNOWN_M),
             air: Some(AIR_KNOWN),
         };
         let (mut found, fit) = fitted(plate, first, &priors)?;
         // Its widths are known as well as before.
         let mut spec = found.plate.spec().clone();
+        spec.edge_give_tolerance_m = plate.spec().edge_give_tolerance_m;
         if let Some(found) = &mut spec.calibration {
             found.half_width_tolerance = calibration.half_width_tolerance;
             found.taper_tolerance = calibration.taper_tolerance;
@@ -135,8 +139,10 @@ impl SpeedTrim {
         }
         let points = entering(plate, first)?;
         let units = Units::of(plate, &points).ok_or(CalibrateError::NoFit)?;
-        let of_widths =
-            OF_WIDTHS * calibration.half_width_tolerance.hypot(calibration.taper_tolerance) / INTERVAL;
+        let of_edges =
+            plate.spec().edge_give_tolerance_m.unwrap_or(0.0) / plate.half_width_m(plate.span_m().1);
+        let of_cut = calibration.half_width_tolerance.hypot(calibration.taper_tolerance);
+        let of_widths = OF_WIDTHS * of_cut.hypot(of_edges) / INTERVAL;
         let of_answers = fit.covariance[(SPEED, SPEED)].sqrt() * found.chi2_per_n.max(1.0).sqrt();
         let deviation = of_answers.hypot(of_widths);
         let (speed, chi2_per_n) = (fit.parameters[SPEED], found.chi2_per_n);
@@ -297,7 +303,7 @@ fn trimmed(
     chi2_per_n: f64,
 ) -> Result<Trimmed, CalibrateError> {
     let half = INTERVAL * deviation;
-    let mut spec = spec_at(plate.spec(), &[change, 0.0, 0.0, 0.0]);
+    let mut spec = spec_at(plate.spec(), &with_speed(change, 0.0));
     spec.wave_speed_tolerance = (half.exp() - 1.0).min(limits::WAVE_SPEED_TOLERANCE.high);
     let [low, high] = [speed - half, speed + half].map(f64::exp);
     Ok(Trimmed { share: speed.exp(), low, high, chi2_per_n, plate: Plate::new(spec)? })

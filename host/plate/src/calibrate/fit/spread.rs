@@ -2,7 +2,7 @@
 
 use super::gain::Carried;
 use super::least_squares::Fit;
-use super::unknowns::{OF_PLATE_MAX, STEPS, TAPER, of_plate, spec_at};
+use super::unknowns::{EDGE_GIVE, OF_PLATE_MAX, STEPS, TAPER, of_plate, spec_at};
 use crate::definition::Plate;
 use nalgebra::DMatrix;
 
@@ -106,6 +106,8 @@ impl Nodes {
 pub(crate) struct Spread {
     /// The spread of the boundary at a given frequency, metres.
     pub(crate) boundary_m: f64,
+    /// The same if how far the edges give were known.
+    pub(crate) of_known_edges_m: f64,
     /// The relative error of the wave speed that would move the boundary by as much.
     pub(crate) speed: f64,
     /// Boundary shift per metre of misplacement, for each sensor.
@@ -129,6 +131,7 @@ impl Spread {
         // The taper's coordinate is over the file's, that of the fitted plate over its own.
         turning.slopes.rows.iter_mut().for_each(|row| row[TAPER] /= 1.0 + fit.parameters[TAPER]);
         let (boundary_m, of_frequency) = turning.deviations(&fit.covariance);
+        let (of_known_edges_m, _) = turning.deviations(&given(&fit.covariance, EDGE_GIVE));
         let exponent = if fitted.spec().model.bending().is_some() { 2.0 } else { 1.0 };
         let slopes = (0..fit.parameters.len()).map(|i| {
             let step = STEPS[..turning.slopes.of_plate].get(i).copied().unwrap_or(1e-6);
@@ -146,6 +149,18 @@ impl Spread {
             turning.shift_m(&ways.collect::<Vec<f64>>())
         };
         let boundary_per_place = (0..places_of_sensors).map(per_place).collect();
-        Some(Self { boundary_m, speed: of_frequency / exponent, boundary_per_place, slopes })
+        Some(Self {
+            boundary_m,
+            of_known_edges_m,
+            speed: of_frequency / exponent,
+            boundary_per_place,
+            slopes,
+        })
     }
+}
+
+/// The covariance of the coordinates where coordinate `i` is given.
+fn given(covariance: &DMatrix<f64>, i: usize) -> DMatrix<f64> {
+    let column = covariance.column(i);
+    covariance - &column * column.transpose() / covariance[(i, i)]
 }

@@ -7,10 +7,12 @@
 //! | 1 | ln of the loss factor over the file's | a factor of e |
 //! | 2 | ln(W0/W(L)) over the file's, less 1 | [`Priors::taper`] |
 //! | 3 | ln of W0 over the file's | [`Priors::half_width`] |
-//! | 4, of a plate in air | ln of the air's coefficient over the file's | [`Priors::air`], or what the mounting leaves open |
-//! | 5, of a membrane in air | share of the pressure at a distance beside the file's | the same |
+//! | 4 | how far the edges give beyond the file's, metres | [`Priors::edge_give_m`], or what the file states |
+//! | 5, of a plate in air | ln of the air's coefficient over the file's | [`Priors::air`], or what the mounting leaves open |
+//! | 6, of a membrane in air | share of the pressure at a distance beside the file's | the same |
 
 use crate::definition::limits;
+use crate::definition::taper::WidthLaw;
 use crate::definition::{Air, AirMounting, BAFFLE, BARE_FRAME, Model, PlateSpec};
 use crate::quantity::{OutOfRange, Range};
 
@@ -20,19 +22,28 @@ pub(crate) const SPEED: usize = 0;
 pub(crate) const LOSS: usize = 1;
 pub(crate) const TAPER: usize = 2;
 pub(crate) const HALF_WIDTH: usize = 3;
-pub(crate) const OF_PLATE: usize = 4;
-pub(crate) const AIR: usize = 4;
-pub(crate) const DISTANT_AIR: usize = 5;
+pub(crate) const EDGE_GIVE: usize = 4;
+pub(crate) const OF_PLATE: usize = 5;
+pub(crate) const AIR: usize = 5;
+pub(crate) const DISTANT_AIR: usize = 6;
 /// The most that a plate has.
-pub(crate) const OF_PLATE_MAX: usize = 6;
+pub(crate) const OF_PLATE_MAX: usize = 7;
+/// Standard deviation of how far edges give, metres: a lip that pivots in its 1 mm, a line of glue, a kerf.
+const GIVE: f64 = 3e-4;
+/// The same of clamped edges, over the thickness: a clamp of the plate's own material turns by some of it.
+const CLAMPED_GIVE: f64 = 0.5;
+/// The edges of a plate with a narrow end are made more finely: there it is at most this share of the half-width.
+const GIVE_SHARE: f64 = 0.1;
 /// Standard deviation of ln alpha in a baffle.
 const OF_BAFFLE: f64 = 0.02;
 /// alpha of the air around a plate of unknown mounting that is tried first: that of a bare frame, of a baffle, and between.
 const TRIED: [f64; 3] = [BARE_FRAME, AirMounting::Unknown.coefficient().0, BAFFLE];
+/// Standard deviations of a 95 % interval.
+pub(crate) const INTERVAL: f64 = 1.96;
 /// Standard deviation of a coordinate that is held.
 pub(crate) const HELD: f64 = 1e-9;
 /// Ways over which derivatives by the plate's coordinates are taken.
-pub(crate) const STEPS: [f64; OF_PLATE_MAX] = [1e-6, 1e-4, 1e-6, 1e-6, 1e-5, 1e-3];
+pub(crate) const STEPS: [f64; OF_PLATE_MAX] = [1e-6, 1e-4, 1e-6, 1e-6, 1e-7, 1e-5, 1e-3];
 
 /// How well the plate's numbers are known before it is measured, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +56,10 @@ pub struct Priors {
     pub taper: f64,
     /// Deviation of W0, relative (1e-5 to 0.1).
     pub half_width: f64,
+    /// Deviation of how far the edges give, metres (1e-9 to 0.005); `None` for that of the file's `edge_give_tolerance_m`, and
+    /// where it states none for 0.3 mm, of clamped edges half the thickness where that is more, and at most a tenth of the
+    /// half-width at the narrow end.
+    pub edge_give_m: Option<f64>,
     /// Deviations of ln of the air's coefficient, and of the share of the pressure at a distance (1e-5 to 1), on a
     /// plate in air; `None` for what its mounting leaves open.
     pub air: Option<f64>,
@@ -54,7 +69,7 @@ impl Default for Priors {
     /// A plate that was cut to 0.3 % of its width and 0.4 % of its taper, of a material known to 10 % of wave speed and
     /// a factor of e of loss.
     fn default() -> Self {
-        Self { wave_speed: 0.1, loss: 1.0, taper: 4e-3, half_width: 3e-3, air: None }
+        Self { wave_speed: 0.1, loss: 1.0, taper: 4e-3, half_width: 3e-3, edge_give_m: None, air: None }
     }
 }
 
@@ -66,12 +81,17 @@ impl Priors {
         OutOfRange::check("priors.loss", self.loss, Range::new(0.01, 3.0, ""))?;
         OutOfRange::check("priors.taper", self.taper, widths)?;
         OutOfRange::check("priors.half_width", self.half_width, widths)?;
+        if let Some(give_m) = self.edge_give_m {
+            let range = Range::new(HELD, limits::EDGE_GIVE.high, "m");
+            OutOfRange::check("priors.edge_give_m", give_m, range)?;
+        }
         self.air.map_or(Ok(()), |air| OutOfRange::check("priors.air", air, Range::new(1e-5, 1.0, "")))
     }
 
-    /// The standard deviations of every plate's coordinates, in their order.
-    pub(crate) const fn deviations(&self) -> [f64; OF_PLATE] {
-        [self.wave_speed, self.loss, self.taper, self.half_width]
+    /// The standard deviations of the coordinates that every plate has, in their order.
+    pub(crate) fn deviations(&self, nominal: &PlateSpec) -> [f64; OF_PLATE] {
+        let edge_give_m = self.edge_give_m.unwrap_or_else(|| edge_give_known_m(nominal));
+        [self.wave_speed, self.loss, self.taper, self.half_width, edge_give_m]
     }
 
     /// The same of all coordinates of this plate.
@@ -79,8 +99,26 @@ impl Priors {
         let of_air = mounting_of(nominal).into_iter().flat_map(|mounting| {
             [mounting.deviation(), mounting.distant_deviation()].map(|usual| self.air.unwrap_or(usual))
         });
-        self.deviations().into_iter().chain(of_air.take(of_plate(nominal) - OF_PLATE)).collect()
+        self.deviations(nominal).into_iter().chain(of_air.take(of_plate(nominal) - OF_PLATE)).collect()
     }
+}
+
+/// Standard deviation of how far the edges give, by the file.
+fn edge_give_known_m(nominal: &PlateSpec) -> f64 {
+    let narrowest_m = WidthLaw::new(&nominal.taper, nominal.length_m).at(nominal.length_m).value.exp();
+    let made_m = match &nominal.model {
+        Model::BendingClamped(bending) => GIVE.max(CLAMPED_GIVE * bending.thickness_m),
+        _ => GIVE,
+    };
+    let usual_m = made_m.min(GIVE_SHARE * narrowest_m);
+    nominal.edge_give_tolerance_m.map_or(usual_m, |half_m| (half_m / INTERVAL).max(HELD))
+}
+
+/// The coordinates of every plate with this wave speed and loss, and all else as the file states it.
+pub(crate) const fn with_speed(speed: f64, loss: f64) -> [f64; OF_PLATE] {
+    let mut coordinates = [0.0; OF_PLATE];
+    (coordinates[SPEED], coordinates[LOSS]) = (speed, loss);
+    coordinates
 }
 
 /// Number of coordinates of this plate.
@@ -118,6 +156,9 @@ pub(crate) fn spec_at(nominal: &PlateSpec, coordinates: &[f64]) -> PlateSpec {
     spec.loss_factor = (loss_of(nominal) * coordinates[LOSS].exp()).min(limits::LOSS_FACTOR.high);
     let (scale, power) = (coordinates[HALF_WIDTH].exp(), 1.0 + coordinates[TAPER]);
     spec.taper = spec.taper.stretched(scale, power);
+    if let Some(give_m) = coordinates.get(EDGE_GIVE).filter(|give_m| **give_m != 0.0) {
+        spec.edge_give_m = Some(spec.edge_give_m.unwrap_or(0.0) + give_m);
+    }
     if let (Some(Air::Around { mounting, .. }), Some(air)) = (&mut spec.air, coordinates.get(AIR)) {
         let alpha = (mounting.coefficient().0 * air.exp()).min(limits::AIR_COEFFICIENT.high);
         let more = if of_plate(nominal) > DISTANT_AIR { coordinates.get(DISTANT_AIR) } else { None };

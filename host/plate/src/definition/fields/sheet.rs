@@ -33,6 +33,7 @@ const WRITTEN: &[&str] = &[
     "wave_speed_tolerance",
     "loss_tolerance",
     "edge_give_m",
+    "edge_give_tolerance_m",
     "turning_width",
     "full_scale_m",
     "span_start_m",
@@ -61,6 +62,8 @@ pub(crate) const PLATE: Section = Section {
         edge_give_m: FieldType::Number(limits::EDGE_GIVE), "how far the edges give beyond the cut" ["Edges give", MM]
             (or 0.0)
             { spec.edge_give_m, it => Slot::Optional(it) };
+        edge_give_tolerance_m: FieldType::Number(limits::EDGE_GIVE_TOLERANCE), "how well that is known"
+            { spec.edge_give_tolerance_m, it => Slot::Optional(it) };
         turning_width: FieldType::OneOf(TURNING_WIDTHS), "the width that decides where a wave turns"
             { spec.turning_width, it => Slot::Width(it) };
         loss_tolerance: FieldType::Number(limits::LOSS_TOLERANCE), "how well the loss factor is known"

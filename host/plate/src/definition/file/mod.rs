@@ -87,6 +87,7 @@ fn blank() -> PlateSpec {
         description: String::new(),
         taper: Taper::Sampled { points: Vec::new() },
         edge_give_m: None,
+        edge_give_tolerance_m: None,
         turning_width: TurningWidth::default(),
         length_m: 0.0,
         model: Model::Membrane { wave_speed_m_per_s: 0.0, tension_n_per_m: None, film: None },
