@@ -3,6 +3,7 @@
 //! `cargo test --test chain dead_man` runs one file's tests. Tests here share a process; those that cannot are in
 //! `alone.rs`.
 
+mod board_reports;
 mod bootloader;
 mod bootloader_entry;
 mod boundary;
