@@ -162,5 +162,5 @@ impl Spread {
 /// The covariance of the coordinates where coordinate `i` is given.
 fn given(covariance: &DMatrix<f64>, i: usize) -> DMatrix<f64> {
     let column = covariance.column(i);
-    covariance - &column * column.transpose() / covariance[(i, i)]
+    covariance - column * column.transpose() / covariance[(i, i)]
 }
