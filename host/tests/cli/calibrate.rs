@@ -263,10 +263,10 @@ fn two_touches_give_places_and_no_levels() {
     .concat();
     let value = json(&arguments);
     assert_eq!((&value["accepted"], &value["level_tolerance_db"]), (&Value::Bool(true), &Value::Null));
-    // Two marks do not separate loss and speed, and the interval shows it.
+    // Two marks do not separate loss, speed and edges that give (0.3 mm are 1 to 2 % of speed), and the interval shows it.
     let [low, high] = ["low", "high"].map(|end| number(&value["parameters"][0], end));
     let slipline_plate::Model::Membrane { wave_speed_m_per_s, .. } = plate.spec().model else { panic!() };
-    assert!((low..high).contains(&(0.97 * wave_speed_m_per_s)) && high < 1.08 * low, "{value}");
+    assert!((low..high).contains(&(0.97 * wave_speed_m_per_s)) && high < 1.16 * low, "{value}");
     // The touches above were computed with the peak of this level.
     let finger = &value["parameters"][1];
     assert_eq!(finger["name"], "feeling.threshold");

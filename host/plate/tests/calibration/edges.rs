@@ -217,6 +217,9 @@ fn edges_that_give_far_are_found_and_those_that_give_by_millimetres_are_refused_
         println!("{kind} {give_m}: {off_m} of {stated_m}, chi2 {:.2}", found.chi2_per_n);
         assert!(off_m < stated_m && within(&found, "edge_give_m", give_m), "{kind}: {:?}", found.parameters);
     }
+    // From edges that do not give no valley leads to this one.
+    let narrow = Outcome::of("al-bending", 8);
+    assert!(narrow.give_m > 4.5e-4 && narrow.found.is_ok(), "{}", narrow.words());
     let mut random = Random::new(7200);
     let rig = rig("membrane", 3e-3, &mut random);
     let sensors = rig.measure(planned(&rig.nominal).best.places_m, POINTS, &mut random);
@@ -288,7 +291,7 @@ mod night {
             }
             shares.sort_by(f64::total_cmp);
             println!("{kind}: with delta {shares:.2?} times as wide");
-            assert!(shares[shares.len() / 2] <= loss, "{kind}: {shares:?}");
+            assert!(shares[(shares.len() - 1) / 2] <= loss, "{kind}: {shares:?}");
             stated_mm.sort_by(f64::total_cmp);
             let median_mm = stated_mm[stated_mm.len() / 2];
             println!("{kind}: median stated {median_mm:.2} mm");
