@@ -90,8 +90,8 @@ fn neither_arming_changes_into_the_other() {
 fn all_that_ends_a_drive_ends_one_on_the_bench() {
     let stop_input = ActuatorProfile { has_stop_input: true, ..plain() };
     let short_drives = ActuatorProfile { max_drive_ms: 1000, ..plain() };
-    type End = fn(&mut Rig);
-    let ends: [(&str, ActuatorProfile, u32, End, u32, State, Option<Fault>); 8] = [
+    type End = (&'static str, ActuatorProfile, u32, fn(&mut Rig), u32, State, Option<Fault>);
+    let ends: [End; 8] = [
         (
             "button",
             plain(),

@@ -92,7 +92,7 @@ fn a_broken_report_is_refused_with_its_field() {
         *broken.pointer_mut(place).unwrap() = value;
         refuses(&broken.to_string(), &[wanted]);
     }
-    let mut broken = good.clone();
+    let mut broken = good;
     broken.as_object_mut().unwrap().remove("board");
     refuses(&broken.to_string(), &["board is missing"]);
 }
