@@ -68,7 +68,7 @@ impl Included {
             return Err(format!("it has no {}", self.has));
         }
         let mut list = format!("{}: names and bytes.\nconst BUILT_IN: &[(&str, &[u8])] = &[\n", self.of);
-        // A file that is there as `gzip` has packed it, too, is in the program once: packed.
+        // Of a file and its copy packed by `gzip` the program holds the packed one.
         let packed: BTreeSet<PathBuf> = files
             .iter()
             .filter(|file| file.extension().is_some_and(|end| end == "gz"))

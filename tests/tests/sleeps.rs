@@ -32,6 +32,10 @@ const SLEEPS: &[(&str, &[Sleep])] = &[
     ("host/tests/cli/following.rs", &[Polls]),
     ("host/tests/cli/held_up.rs", &[Polls]),
     ("host/tests/cli/progress.rs", &[Polls]),
+    (
+        "host/tests/cli/selftest.rs",
+        &[Because("The signal may come anywhere in the sixteen seconds of the test.")],
+    ),
     ("host/tests/cli/signals.rs", &[Polls, Polls]),
     ("host/tests/cli/trigger.rs", &[Polls, Polls]),
     ("host/tests/cli/trim.rs", &[Polls]),

@@ -110,7 +110,7 @@ fn a_browser_that_takes_gzip_gets_a_file_that_is_built_packed() {
 }
 
 #[test]
-fn a_file_that_is_there_packed_alone_is_unpacked_for_a_browser_that_does_not_take_it() {
+fn a_file_with_a_packed_copy_alone_is_unpacked_for_a_browser_that_does_not_take_it() {
     let outside = built("page-unpacked");
     // By `printf import | gzip -9 -n`. A program holds each file once.
     let packed =

@@ -1,6 +1,6 @@
 //! A report read from its file: each field is checked, and an error names it.
 
-use crate::cli::schema::SCHEMA;
+use super::super::schema::SCHEMA;
 use serde_json::{Map, Value};
 use slipline_instrument::selftest::{Reading, SelftestReport, StepResult, Verdict, limits_of, step};
 use slipline_plate::quantity::must_be;
