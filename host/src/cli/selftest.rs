@@ -58,7 +58,8 @@ pub(super) fn run(arguments: &SelftestArguments, as_json: bool) -> Result<(), Fa
     };
     output::print(as_json, &answer.json(), |out| page(out, &answer.report))?;
     match answer.report.named(Verdict::Red).count() {
-        0 => Ok(()),
+        0 if answer.report.passed() => Ok(()),
+        0 => Err(Failure::Failed("no step of the self-test was carried out".to_owned())),
         1 => Err(Failure::Red(format!("1 of {} steps is red", answer.report.steps.len()))),
         red => Err(Failure::Red(format!("{red} of {} steps are red", answer.report.steps.len()))),
     }
@@ -105,6 +106,12 @@ fn test(arguments: &SelftestArguments) -> Result<Answer, Failure> {
     };
     let device = Device::observe_simulating(&port, options)?;
     device.identity()?;
+    let faults =
+        device.snapshot().drive.status.map(|status| status.faults).filter(|faults| !faults.is_empty());
+    if let Some(faults) = faults {
+        let way = "`slipline drive --clear-faults` clears that";
+        return Err(Failure::Failed(format!("the device has stopped: {faults}; {way}")));
+    }
     let mut asked = None;
     let report = progress::reported("self-test", |progress| {
         device.selftest(request.with_wires(&arguments.wire), |share, prompt| {

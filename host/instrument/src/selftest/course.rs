@@ -4,7 +4,7 @@ use super::limits;
 use super::report::{Reading, StepResult};
 use super::request::SelftestRequest;
 use crate::measure::{Dialogue, MeasureError, ended_by, is_late};
-use slipline_link::protocol::event::Faults;
+use slipline_link::protocol::event::{Fault, Faults};
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{
     CaptureRequest, Captured, CombRequest, DeviceTable, HarmonicRequest, Outcome, Request, Sounding,
@@ -103,8 +103,15 @@ impl Course {
             _ => self.dialogue.done(Request::Upload(table)).await?,
         };
         self.dialogue.replay(self.samples(KEPT_S));
+        self.silent().await?;
         self.dialogue.arm(false).await?;
         self.dialogue.stop().await?;
+        self.silent().await
+    }
+
+    /// Waits until what was stopped, or disarmed, is silent: before, the device refuses to be armed.
+    pub(super) async fn silent(&self) -> Result<(), MeasureError> {
+        self.dialogue.done(Request::Refresh).await?;
         self.dialogue.past(self.dialogue.now() + self.samples(SILENT_S)).await
     }
 
@@ -128,6 +135,10 @@ impl Course {
         // What ended the step may be a fault that the latest status does not show yet.
         self.dialogue.done(Request::Refresh).await?;
         let faults = self.faults();
+        if faults.contains(Fault::DeskStop) {
+            // A person at the desk has stopped it: that says nothing of the board.
+            return Err(MeasureError::Fault(faults.to_string()));
+        }
         if faults != self.reported.replace(faults) {
             let sentence = format!("The device stopped: {faults}.");
             *self.obstacle.borrow_mut() = Some(format!("Not shown: {name} ended with a fault."));

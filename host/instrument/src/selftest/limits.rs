@@ -36,10 +36,12 @@ pub mod step {
     pub const BOOTLOADER: &str = "bootloader";
     /// Faults on purpose.
     pub const FAULTS: &str = "faults";
+    /// What no version looks at yet.
+    pub const OTHERS: &str = "others";
     /// All of them.
-    pub const ALL: [&str; 16] = [
+    pub const ALL: [&str; 17] = [
         CLOCKS, SUPPLY, MUTE, MUTE_TIME, DAC_TO_ADC, DELAY, NOISE, LOAD, CODES, TRIGGER, LINK, STORE, STALL,
-        BUTTONS, BOOTLOADER, FAULTS,
+        BUTTONS, BOOTLOADER, FAULTS, OTHERS,
     ];
 }
 
@@ -97,6 +99,7 @@ const WIRE: &str =
     "Look at the wire from the DAC's pin to the sensor's, at ground, and at what else hangs on both.";
 const LAG: &str = "The input samples at another time than the device states: look at the filter on the wire.";
 const UNSAFE: &str = "The timer that mutes does not do what it must: do not connect an amplifier.";
+const NOTHING: &str = "Nothing was tested: run the self-test again.";
 const QUIETER: &str = "Look at the reference's capacitor, at ground, and at the supply.";
 
 /// All limits.
@@ -170,6 +173,9 @@ pub const LIMITS: &[Limit] = &[
         NONE,
         "The image computes other codes than this program: flash it again.",
     ),
+    red(step::CODES, "windows", (Some(1.0), None), NOTHING),
+    red(step::CODES, "compared time", (Some(0.01), None), NOTHING),
+    red(step::LOAD, "drives in that time", (Some(1.0), None), NOTHING),
     red(
         step::TRIGGER,
         "trigger delay",
@@ -215,6 +221,29 @@ pub const LIMITS: &[Limit] = &[
 /// The limits of a number, the widest first; none of one that is only reported.
 pub fn of(step: &str, quantity: &str) -> impl Iterator<Item = &'static Limit> {
     LIMITS.iter().filter(move |limit| limit.step == step && limit.quantity == quantity)
+}
+
+/// Numbers with limits that a step may have been carried out without: what a board does not report, or a short test or an answer
+/// before leaves out.
+const PERHAPS: [(&str, &str); 12] = [
+    (step::CLOCKS, "rate error"),
+    (step::CLOCKS, "rate error in a short time"),
+    (step::CLOCKS, "cycle error"),
+    (step::CLOCKS, "error by USB frames"),
+    (step::SUPPLY, "brown-out level unset"),
+    (step::MUTE, "resistor missing"),
+    (step::MUTE, "pin high while muted"),
+    (step::LOAD, "worst block"),
+    (step::BUTTONS, "not pressed in time"),
+    (step::BUTTONS, "not released in time"),
+    (step::BUTTONS, "stop input not opened in time"),
+    (step::BUTTONS, "stop input not closed in time"),
+];
+
+/// The quantities with limits that a step always has where it is green or amber.
+pub fn required(step: &str) -> impl Iterator<Item = &'static str> {
+    let always = |limit: &&Limit| !PERHAPS.contains(&(limit.step, limit.quantity));
+    LIMITS.iter().filter(move |limit| limit.step == step).filter(always).map(|limit| limit.quantity)
 }
 
 /// Whether a step has this name.

@@ -24,7 +24,7 @@ mod verdict;
 mod wire;
 
 pub use limits::of as limits_of;
-pub use limits::{LIMITS, Limit, is_step, step};
+pub use limits::{LIMITS, Limit, is_step, required, step};
 pub use procedure::Selftesting;
 pub use report::{Reading, SelftestReport, StepResult};
 pub use request::{NoSuchWire, SelftestRequest, Wire};

@@ -177,7 +177,7 @@ impl SelftestReport {
         let word = |text: &str| text.split_whitespace().collect::<Vec<_>>().join("_");
         let codes = self.codes_crc.as_deref().unwrap_or("none");
         let mut line =
-            format!("SELFTEST {result} unit={} build={} codes={codes}", self.unit, word(&self.build));
+            format!("SELFTEST {result} unit={} build={} codes={codes}", word(&self.unit), word(&self.build));
         for verdict in [Verdict::Red, Verdict::Amber, Verdict::Skipped] {
             let names: Vec<String> = self.named(verdict).map(word).collect();
             if !names.is_empty() {

@@ -48,7 +48,7 @@ impl Course {
             reading(name, "offset", line.offset, "codes"),
             reading(name, "nonlinearity", line.nonlinearity, "codes"),
             reading(name, "lowest linear code", (HALF + line.ends.0).round(), ""),
-            reading(name, "highest linear code", (HALF + line.ends.1).round(), ""),
+            reading(name, "highest linear code", (HALF + line.ends.1).round().min(2.0 * HALF - 1.0), ""),
         ];
         let good = format!("The input reads the DAC's codes, by {STRETCHES} stretches of a slow sine.");
         Ok(StepResult::judged(name, readings, good))

@@ -2,7 +2,9 @@
 
 use super::super::schema::SCHEMA;
 use serde_json::{Map, Value};
-use slipline_instrument::selftest::{Reading, SelftestReport, StepResult, Verdict, limits_of, step};
+use slipline_instrument::selftest::{
+    Reading, SelftestReport, StepResult, Verdict, limits_of, required, step,
+};
 use slipline_plate::quantity::must_be;
 
 /// The largest file that is read.
@@ -16,7 +18,8 @@ const LETTERS_MAX: usize = 1000;
 /// # Errors
 /// The field that is missing or is not what it should be, and what is allowed.
 pub(super) fn report(text: &str) -> Result<(SelftestReport, String), String> {
-    let value: Value = serde_json::from_str(text).map_err(|error| format!("it is not JSON: {error}"))?;
+    let value: Value = serde_json::from_str(text.trim_start_matches('\u{feff}'))
+        .map_err(|error| format!("it is not JSON: {error}"))?;
     let fields = Fields::of(&value, String::new())?;
     let schema = fields.number("schema")?;
     if schema != f64::from(SCHEMA) {
@@ -77,6 +80,19 @@ fn read_step(name: String, fields: &Fields<'_>) -> Result<StepResult, String> {
     if matches!(verdict, Verdict::Green | Verdict::Amber) && !readings.iter().any(has_limit) {
         return Err(format!("{} has no number by which the step is {word}", fields.place("readings")));
     }
+    let has = |quantity: &str| readings.iter().any(|reading| reading.quantity == quantity);
+    match (verdict, required(&name).find(|quantity| !has(quantity))) {
+        (Verdict::Green | Verdict::Amber, Some(missing)) => {
+            return Err(format!(
+                "{} has no {missing:?}, by which the step is {word}",
+                fields.place("readings")
+            ));
+        }
+        (Verdict::Skipped, _) if !readings.is_empty() => {
+            return Err(must_be(fields.place("readings"), "empty in a skipped step"));
+        }
+        _ => {}
+    }
     Ok(StepResult { name, verdict, readings, sentence: fields.text("sentence")? })
 }
 
@@ -103,9 +119,11 @@ impl<'a> Fields<'a> {
     }
 
     fn text(&self, name: &str) -> Result<String, String> {
-        let text = self.get(name)?.as_str().filter(|text| text.chars().count() <= LETTERS_MAX);
-        text.map(str::to_owned)
-            .ok_or_else(|| must_be(self.place(name), format_args!("a text of up to {LETTERS_MAX} letters")))
+        let is_allowed =
+            |text: &&str| text.chars().count() <= LETTERS_MAX && !text.chars().any(char::is_control);
+        let text = self.get(name)?.as_str().filter(is_allowed);
+        let allowed = format_args!("a text of up to {LETTERS_MAX} letters without control characters");
+        text.map(str::to_owned).ok_or_else(|| must_be(self.place(name), allowed))
     }
 
     fn number(&self, name: &str) -> Result<f64, String> {

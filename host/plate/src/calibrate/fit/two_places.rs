@@ -1,6 +1,7 @@
 //! The calibration by the ratio of two places.
 
 use super::acceptance::{self, CHI2_PER_N_MAX};
+use super::least_squares::Fit;
 use super::missing_air::or_missing_air;
 use super::ratio::Ratio;
 use super::response::sensor_body::{check_fitted_mass, check_mass};
@@ -43,17 +44,19 @@ fn fitted(plate: &Plate, sensors: [&Measurement; 2], priors: &Priors) -> Result<
     for sensor in sensors {
         check_mass(plate, sensor, &ratio.frequencies_hz)?;
     }
-    let fit = ratio.fit().ok_or(CalibrateError::NoFit)?;
-    let residuals = (ratio.pairs.len() + ratio.deviations.len() - fit.parameters.len()) as f64;
-    let chi2_per_n = fit.chi2 / residuals;
+    let residuals = (ratio.pairs.len() + ratio.deviations.len()) as f64;
+    let per_residual = |fit: &Fit| fit.chi2 / (residuals - fit.parameters.len() as f64);
+    // Widths and edges far from the file's may make up for exchanged places, or nothing fits them at all.
+    let or_swapped = |error: CalibrateError, chi2_per_n: f64| {
+        let swapped = ratio.swapped().fit().as_ref().map_or(f64::INFINITY, per_residual);
+        let [first_m, second_m] = ratio.places_m;
+        let is_swapped = swapped <= CHI2_PER_N_MAX.min(chi2_per_n);
+        if is_swapped { CalibrateError::Swapped { first_m, second_m } } else { error }
+    };
+    let Some(fit) = ratio.fit() else { return Err(or_swapped(CalibrateError::NoFit, f64::INFINITY)) };
+    let chi2_per_n = per_residual(&fit);
     if chi2_per_n > CHI2_PER_N_MAX {
-        let swapped = ratio.swapped().fit().map_or(f64::INFINITY, |fit| fit.chi2 / residuals);
-        return Err(if swapped <= CHI2_PER_N_MAX {
-            let [first_m, second_m] = ratio.places_m;
-            CalibrateError::Swapped { first_m, second_m }
-        } else {
-            CalibrateError::Unlike { chi2_per_n, most: CHI2_PER_N_MAX }
-        });
+        return Err(or_swapped(CalibrateError::Unlike { chi2_per_n, most: CHI2_PER_N_MAX }, chi2_per_n));
     }
 
     check_fitted_mass(sensors[0], ratio.of_mass(&fit.parameters))?;
@@ -70,5 +73,10 @@ fn fitted(plate: &Plate, sensors: [&Measurement; 2], priors: &Priors) -> Result<
         frequencies_hz: &ratio.frequencies_hz,
         carried: &carried,
     };
-    accepted.finish()
+    accepted.finish().map_err(|error| match error {
+        CalibrateError::AnotherPlate { .. }
+        | CalibrateError::EdgesGive { .. }
+        | CalibrateError::Misplaced { .. } => or_swapped(error, chi2_per_n),
+        other => other,
+    })
 }

@@ -106,7 +106,12 @@ fn parameter_words(parameter: &Parameter) -> (String, [String; 3]) {
     if name == "place_m" {
         return ("Sensor's place".to_owned(), [value, low, high].map(show_place));
     }
+    // Near zero digits that count say nothing: to a micrometre.
+    let micrometres = |value_m: f64| format!("{:.3} mm", (1e6 * value_m).round() / 1e3 + 0.0);
     match Panel::Plate.caption(name) {
+        Some(caption) if name == "edge_give_m" => {
+            (caption.name.to_owned(), [value, low, high].map(micrometres))
+        }
         Some(caption) => {
             let ends = [value, low, high].map(|value| caption.unit.written(value, 5));
             (caption.name.to_owned(), ends)
