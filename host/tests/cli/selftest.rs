@@ -60,7 +60,7 @@ fn a_report_is_judged_offline_by_the_limits_of_the_program() {
     let supply = step(&mut bad, "supply");
     assert_eq!(supply["verdict"], "red");
     says(supply["sentence"].as_str().unwrap(), &["VREF+ is 2.7 V, allowed: 2.9 V to 3.4 V."]);
-    refused(&["selftest", "--judge", &path], 3, &["1 of 16 steps is red"]);
+    refused(&["selftest", "--judge", &path], 3, &["1 of 17 steps is red"]);
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn a_broken_report_is_refused_with_its_field() {
         ("/schema", json!(0), "schema = 0: must be 1, that of this version"),
         ("/unit", json!(7), "unit: must be a text"),
         ("/simulated", json!("no"), "simulated: must be true or false"),
-        ("/steps", json!({}), "steps: must be a list of up to 16 entries"),
+        ("/steps", json!({}), "steps: must be a list of up to 17 entries"),
         ("/steps", json!([]), "steps has no step \"clocks\""),
         ("/steps/1/name", json!("suply"), "steps[1].name = \"suply\": must be \"supply\""),
         (
@@ -86,6 +86,17 @@ fn a_broken_report_is_refused_with_its_field() {
         ),
         ("/steps/1/readings/0/value", json!("3.3"), "steps[1].readings[0].value: must be a number"),
         ("/steps/1/readings/0/at_most", json!("3.4"), "steps[1].readings[0].at_most: must be a number"),
+        (
+            "/steps/1/readings/0/quantity",
+            json!("VREF+ "),
+            "steps[1].readings has no \"VREF+\", by which the step is green",
+        ),
+        ("/steps/1/verdict", json!("skipped"), "steps[1].readings: must be empty in a skipped step"),
+        (
+            "/unit",
+            json!("1\nSELFTEST PASS"),
+            "unit: must be a text of up to 1000 letters without control characters",
+        ),
         ("/steps/1/readings", json!([]), "steps[1].readings has no number by which the step is green"),
     ] {
         let mut broken = good.clone();

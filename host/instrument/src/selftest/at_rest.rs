@@ -173,7 +173,7 @@ impl Course {
         ] {
             let mut fall = None;
             for _ in 0..TRIALS {
-                self.silent().await?;
+                self.idle().await?;
                 let ready = self.dialogue.arm(true).await?;
                 self.dialogue.past(ready).await?;
                 self.dialogue.done(Request::MutePin(trial)).await?;

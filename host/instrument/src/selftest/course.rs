@@ -4,7 +4,7 @@ use super::limits;
 use super::report::{Reading, StepResult};
 use super::request::SelftestRequest;
 use crate::measure::{Dialogue, MeasureError, ended_by, is_late};
-use slipline_link::protocol::event::{Fault, Faults};
+use slipline_link::protocol::event::{Fault, Faults, State};
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{
     CaptureRequest, Captured, CombRequest, DeviceTable, HarmonicRequest, Outcome, Request, Sounding,
@@ -21,6 +21,8 @@ pub(super) const AHEAD_S: f64 = 0.1;
 pub(super) const TRIES: u32 = 4;
 /// Time after a stop by which the replay knows that the device is silent, seconds.
 const SILENT_S: f64 = 0.3;
+/// Time between two looks at a device that is about to be silent, seconds.
+const LOOK_S: f64 = 0.005;
 /// Time in which a comb has risen, seconds.
 const RISEN_S: f64 = 0.03;
 /// Codes that are kept of the device, seconds.
@@ -103,16 +105,25 @@ impl Course {
             _ => self.dialogue.done(Request::Upload(table)).await?,
         };
         self.dialogue.replay(self.samples(KEPT_S));
-        self.silent().await?;
+        self.idle().await?;
         self.dialogue.arm(false).await?;
         self.dialogue.stop().await?;
-        self.silent().await
+        self.dialogue.past(self.dialogue.now() + self.samples(SILENT_S)).await
     }
 
-    /// Waits until what was stopped, or disarmed, is silent: before, the device refuses to be armed.
-    pub(super) async fn silent(&self) -> Result<(), MeasureError> {
+    /// Waits until a device that was disarmed is silent, for as long as a stop takes at most: before, it refuses to be armed.
+    pub(super) async fn idle(&self) -> Result<(), MeasureError> {
         self.dialogue.done(Request::Refresh).await?;
-        self.dialogue.past(self.dialogue.now() + self.samples(SILENT_S)).await
+        let end = self.dialogue.now() + self.samples(SILENT_S);
+        while self.dialogue.now() < end {
+            let state = self.dialogue.seen(|snapshot| snapshot.drive.status.map(|status| status.state));
+            if state.flatten() == Some(State::Idle) {
+                break;
+            }
+            self.dialogue.past(self.dialogue.now() + self.samples(LOOK_S)).await?;
+            self.dialogue.done(Request::Refresh).await?;
+        }
+        Ok(())
     }
 
     /// The latched faults.
