@@ -72,6 +72,8 @@ def test_a_break_longer_than_the_unattended_time_is_one_without_a_fault(device, 
 
     rows = run(device, listed, lambda trial: np.True_, tmp_path, take_break=take_break)
     assert states == [2, "Idle"] and [row["break_s"] == "n/a" for row in rows] == [True, True, False]
+    # Until the last tone has faded, within 20 ms.
+    device.wait(seconds=0.05)
     assert float(rows[2]["break_s"]) >= BREAK_S and device.status().state == "Armed"
 
 
