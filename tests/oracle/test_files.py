@@ -73,7 +73,8 @@ class Files(unittest.TestCase):
     def calibrated(self, *arguments):
         found = json.loads(run("calibrate", "--plate", "al-bending", "--json", *arguments))
         self.assertTrue(found["accepted"])
-        return np.array([it["value"] for it in found["parameters"]])
+        # How far the edges give is about zero: a share of it says nothing.
+        return np.array([it["value"] for it in found["parameters"] if it["name"] != "edge_give_m"])
 
     def test_files_of_other_programs_calibrate_like_slipline_files(self):
         own = self.calibrated("--data", self.csv[0], "--data", self.csv[1])
