@@ -164,8 +164,8 @@ def plot(fields: dict[str, Any], axes: Any) -> Any:
         if isinstance(position_m, np.ndarray) and isinstance(series, np.ndarray) and series.shape[-1] == position_m.size:
             frequencies = np.atleast_1d(np.asarray(fields.get("frequency_hz", np.nan), dtype=float))
             for row, values in enumerate(np.atleast_2d(series)):
-                label = f"{frequencies[row]:.5g} Hz" if frequencies.size == np.atleast_2d(series).shape[0] else None
-                axes.plot(1e3 * position_m, np.abs(values), label=label)
+                curve = f"{frequencies[row]:.5g} Hz" if frequencies.size == np.atleast_2d(series).shape[0] else None
+                axes.plot(1e3 * position_m, np.abs(values), label=curve)
             axes.set(xlabel="place / mm", ylabel=name, title=fields.get("plate"))
             return axes
     raise ValueError("plot() draws a field, a simulated envelope, a drive table, the lights of a check, and a calibration")

@@ -54,7 +54,9 @@ class ClusterWorkers:
         except ModuleNotFoundError as error:
             raise ModuleNotFoundError(f"{error}; an address needs Dask: pip install slipline[cluster]") from error
         self._text = study.to_toml()
-        self._client = self._cluster = None
+        # None only until the constructor has ended, or has failed.
+        self._client: Any = None
+        self._cluster: Any = None
         try:
             with _ctrl_c_is_raised():
                 if address == "local":

@@ -61,7 +61,7 @@ class Rows(list[dict[str, str]]):
     def to_pandas(self) -> Any:
         """A ``pandas.DataFrame`` with a row for each trial: numbers as numbers, ``n/a`` as missing, names and ``yes`` and ``no`` as
         texts. Needs pandas."""
-        import pandas
+        import pandas  # type: ignore[import-untyped]
 
         names = list(self[0]) if self else list(COLUMNS)
         text = "\n".join("\t".join(cells) for cells in (names, *(row.values() for row in self)))
