@@ -230,6 +230,14 @@ impl Plate {
         plate
     }
 
+    /// The same plate with a drive without harmonics.
+    #[must_use]
+    pub fn without_harmonics(&self) -> Self {
+        let mut plate = self.clone();
+        plate.spec.harmonics = None;
+        plate
+    }
+
     /// The same plate with the thickness of its driven end everywhere.
     #[must_use]
     pub fn with_uniform_thickness(&self) -> Self {
