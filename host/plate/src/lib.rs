@@ -34,7 +34,8 @@
 //! - `design/`: the designer and its cut files
 //! - `feeling.rs`, `merit.rs`: what a finger feels, and figures of merit of a boundary. Tests:
 //!   `host/plate/tests/merit.rs`
-//! - `second_boundary.rs`: the boundaries of a drive's harmonics. Tests: `host/plate/tests/harmonics.rs`
+//! - `second_boundary.rs`, `intermodulation.rs`: the boundaries of a drive's harmonics, and the products of several tones.
+//!   Tests: `host/plate/tests/harmonics.rs`
 //! - `quantity/`: units; how numbers are read, printed and refused. Tests: `tests/tests/wording.rs`
 //! - `paper/`, `physics/`: the figures of the paper and of `PHYSICS.md`. Tests: `host/plate/tests/paper.rs`,
 //!   `host/plate/tests/physics_page.rs`
@@ -55,6 +56,7 @@ pub mod exchange;
 pub mod feeling;
 mod frequency;
 mod fused;
+pub mod intermodulation;
 pub mod merit;
 pub mod paper;
 pub mod physics;

@@ -11,7 +11,8 @@
 mod switching;
 
 use crate::feeling::{Feeling, FeltTone};
-use crate::second_boundary::{DrivenTone, HarmonicWave};
+use crate::intermodulation::products;
+use crate::second_boundary::DrivenTone;
 use crate::texture::{Figures, PLACES, Palette, TONES_MAX, Target, Texture, TextureError};
 use switching::{Peak, last_top};
 
@@ -81,8 +82,7 @@ impl Merit {
     }
 }
 
-/// The contrast of a texture in the strength of the sensation of a usual finger, with the harmonics of the drive of each tone.
-/// Products of several tones are not counted.
+/// The contrast of a texture in the strength of the sensation of a usual finger, with the products of the drive.
 fn felt_contrast_db(
     palette: &Palette<'_>,
     texture: &Texture,
@@ -95,15 +95,18 @@ fn felt_contrast_db(
     let positions_m: Vec<f64> = texture.tones.iter().map(|tone| tone.position_m).collect();
     let peak_m = table.peak_at_full_scale_m();
     let columns = palette.squares(&positions_m)?;
-    let mut felt: Vec<(f64, Vec<f64>)> = Vec::new();
-    for (tone, squares) in texture.tones.iter().zip(columns.iter()) {
+    let of_tones = texture.tones.iter().zip(columns.iter()).map(|(tone, squares)| {
         let power = (tone.level * peak_m).powi(2);
-        felt.push((tone.frequency_hz, squares.iter().map(|square| square * power).collect()));
-        let drive_m = table.driven_end_m(plate, tone.position_m) * tone.level;
-        let driven = DrivenTone { frequency_hz: tone.frequency_hz, level: tone.level, drive_m };
-        let waves = HarmonicWave::of_tone(plate, &driven, PLACES).map_err(|_| TextureError::Silent)?;
-        felt.extend(waves.iter().map(|wave| (wave.frequency_hz, wave.squares())));
-    }
+        (tone.frequency_hz, squares.iter().map(|square| square * power).collect())
+    });
+    let mut felt: Vec<(f64, Vec<f64>)> = of_tones.collect();
+    let driven = texture.tones.iter().map(|tone| DrivenTone {
+        frequency_hz: tone.frequency_hz,
+        level: tone.level,
+        drive_m: table.driven_end_m(plate, tone.position_m) * tone.level,
+    });
+    let driven: Vec<DrivenTone> = driven.collect();
+    felt.extend(products(plate, &driven, PLACES).map_err(|_| TextureError::Silent)?);
     let tones: Vec<FeltTone<'_>> =
         felt.iter().map(|(hz, squares)| FeltTone { frequency_hz: *hz, squares }).collect();
     let strength = Feeling::default().strength(plate, &tones);

@@ -6,18 +6,23 @@ use crate::field::felt::Felt;
 use crate::field::steady_field::{POINTS, SteadyField, ToneWave};
 use crate::setup::{Setup, ToneSetup};
 use slipline_plate::feeling::{FeltEdge, FeltTone};
+use slipline_plate::intermodulation::products;
 use slipline_plate::second_boundary::{DrivenTone, HarmonicWave, SecondBoundary};
+
+/// A setup's tone by its drive; `wave` is that of the tone in metres of displacement, without a finger.
+fn driven(setup: &Setup, tone: &ToneSetup, wave: &ToneWave) -> DrivenTone {
+    DrivenTone {
+        frequency_hz: wave.tone.frequency_hz,
+        level: setup.played_level(tone),
+        drive_m: wave.drive_m.into(),
+    }
+}
 
 /// The waves of the harmonics of a setup's tone; `wave` is that of the tone in metres of displacement, without a finger.
 #[must_use]
 pub fn waves_of(setup: &Setup, tone: &ToneSetup, wave: &ToneWave) -> Vec<HarmonicWave> {
-    let driven = DrivenTone {
-        frequency_hz: wave.tone.frequency_hz,
-        level: setup.played_level(tone),
-        drive_m: wave.drive_m.into(),
-    };
     // Of a tone far beyond the span three times the frequency may be out of range: it passes the plate's end.
-    HarmonicWave::of_tone(&setup.plate, &driven, POINTS).unwrap_or_default()
+    HarmonicWave::of_tone(&setup.plate, &driven(setup, tone, wave), POINTS).unwrap_or_default()
 }
 
 /// The second boundary of a tone that a finger feels most, beyond its felt edge `edge`. `None` for a plate file without harmonics, and
@@ -42,13 +47,16 @@ pub fn felt_with_harmonics(setup: &Setup, field: &SteadyField) -> Felt {
     if plate.spec().harmonics.is_none() {
         return felt;
     }
-    let of_tones = field.tones.iter().filter_map(|wave| Some((setup.tone(wave.tone.slot)?, wave)));
-    let waves: Vec<HarmonicWave> = of_tones.flat_map(|(tone, wave)| waves_of(setup, tone, wave)).collect();
+    let placed: Vec<(&ToneSetup, &ToneWave)> =
+        field.tones.iter().filter_map(|wave| Some((setup.tone(wave.tone.slot)?, wave))).collect();
+    let waves: Vec<HarmonicWave> =
+        placed.iter().flat_map(|(tone, wave)| waves_of(setup, tone, wave)).collect();
     felt.second = SecondBoundary::loudest(&SecondBoundary::each(plate, &setup.feeling, felt.edge, &waves));
+    let all_driven: Vec<DrivenTone> = placed.iter().map(|(tone, wave)| driven(setup, tone, wave)).collect();
     let of_tone = |wave: &ToneWave| wave.wave.iter().map(|f| 0.5 * f.norm_sqr()).collect();
     let of_tones = field.tones.iter().map(|wave| (wave.tone.frequency_hz, of_tone(wave)));
-    let of_harmonics = waves.iter().map(|wave| (wave.frequency_hz, wave.squares()));
-    let all: Vec<(f64, Vec<f64>)> = of_tones.chain(of_harmonics).collect();
+    let mut all: Vec<(f64, Vec<f64>)> = of_tones.collect();
+    all.extend(products(plate, &all_driven, POINTS).unwrap_or_default());
     let tones: Vec<FeltTone<'_>> =
         all.iter().map(|(hz, squares)| FeltTone { frequency_hz: *hz, squares }).collect();
     felt.strength = setup.feeling.strength(plate, &tones);

@@ -6,8 +6,8 @@
 //! h2(L) = h2(L0) (L/L0),   h3(L) = h3(L0) (L/L0)^2
 //! ```
 //! with the level L0 of the measurement (W. Klippel, J. Audio Eng. Soc. 54, 907, 2006). The law is that of small distortion: it
-//! knows neither the end of a coil's travel nor an amplifier that clips. Each tone is taken alone; products of several tones
-//! (intermodulation) are not part of it.
+//! knows neither the end of a coil's travel nor an amplifier that clips. Several tones have products, too
+//! ([`crate::intermodulation`]).
 
 use crate::definition::error::PlateError;
 use crate::definition::limits;
