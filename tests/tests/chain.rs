@@ -21,6 +21,7 @@ mod foldback;
 mod frames;
 mod fuzz_corpora;
 mod gate;
+mod harmonics;
 mod health;
 mod held_table;
 mod hold;

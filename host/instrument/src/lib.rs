@@ -28,8 +28,9 @@
 //!   `host/instrument/tests/in_use/`
 //! - `autopilot.rs`: sends drives and tables without a user action. Tests: `host/window/tests/gui/states.rs`,
 //!   `host/instrument/tests/in_use/starting.rs`
-//! - `measure/`: measurements by steps or a sweep (`measure/sweep/`); the course of all procedures:
-//!   `measure/procedure.rs`. Tests: `tests/tests/measuring.rs`, `tests/tests/sweep.rs`
+//! - `measure/`: measurements by steps or a sweep (`measure/sweep/`), and of the drive's harmonics (`measure/harmonics/`);
+//!   the course of all procedures: `measure/procedure.rs`. Tests: `tests/tests/measuring.rs`, `tests/tests/sweep.rs`,
+//!   `tests/tests/harmonics.rs`
 //! - `measured_file.rs`, `calipers.rs`, `calibration.rs`: files of measurements, dimensions by calipers, the steps of a
 //!   calibration
 //! - `hold.rs`: how levels are held. Tests: `tests/tests/hold_rig.rs`, `host/instrument/tests/in_use/holding.rs`

@@ -193,6 +193,18 @@ impl DeviceTable {
         Some(table::position_between(count, index, fraction))
     }
 
+    /// The gain at a frequency in turns per sample; beyond the table that of its nearer end, as in the device.
+    #[must_use]
+    pub fn gain_of_turns(&self, turns: f64) -> f64 {
+        let of = |gain: Gain| f64::from(gain.0) / f64::from(Gain::FULL.0);
+        if let Some(place) = self.place_of_turns(turns) {
+            return of(self.setting(place).gain);
+        }
+        let away = |knot: &Knot| (f64::from(knot.step) / 4_294_967_296.0 - turns).abs();
+        let ends = self.knots.first().into_iter().chain(self.knots.last());
+        ends.min_by(|a, b| away(a).total_cmp(&away(b))).map_or(0.0, |knot| of(knot.gain))
+    }
+
     /// The peak displacement of a tone of level 1 at this position on the table's own plate, in metres.
     #[must_use]
     pub fn peak_m(&self, position: FinePosition) -> f64 {

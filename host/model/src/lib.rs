@@ -27,6 +27,7 @@
 //!   `tests/python/test_command_line.py`
 //! - `response/`: a measured response for display. Tests: `host/window/tests/gui/measure.rs`
 //! - `waveform/`, `sounding.rs`: the latest codes and their spectrum, and the present drive
+//! - `companions.rs`: tones whose companions cancel the drive's harmonics. Tests: `tests/tests/harmonics.rs`
 //! - `sound/`, `wav.rs`: sound for a loudspeaker, and recordings (WAV, FLAC, ALAC, AIFF)
 //! - `content.rs`: recognizes a file by its bytes
 //! - `jobs/`: work on plates that takes longer than a frame; which result is shown (`jobs/latest_result.rs`)
@@ -46,6 +47,7 @@ pub mod answer;
 #[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the files of this computer"))]
 pub mod atomic_file;
 pub mod colour_map;
+pub mod companions;
 pub mod content;
 pub mod export;
 pub mod field;

@@ -34,6 +34,8 @@
 //! - `design/`: the designer and its cut files
 //! - `feeling.rs`, `merit.rs`: what a finger feels, and figures of merit of a boundary. Tests:
 //!   `host/plate/tests/merit.rs`
+//! - `second_boundary.rs`, `intermodulation.rs`: the boundaries of a drive's harmonics, and the products of several tones.
+//!   Tests: `host/plate/tests/harmonics.rs`
 //! - `quantity/`: units; how numbers are read, printed and refused. Tests: `tests/tests/wording.rs`
 //! - `paper/`, `physics/`: the figures of the paper and of `PHYSICS.md`. Tests: `host/plate/tests/paper.rs`,
 //!   `host/plate/tests/physics_page.rs`
@@ -54,12 +56,14 @@ pub mod exchange;
 pub mod feeling;
 mod frequency;
 mod fused;
+pub mod intermodulation;
 pub mod merit;
 pub mod paper;
 pub mod physics;
 pub mod plane;
 mod progress;
 pub mod quantity;
+pub mod second_boundary;
 mod sheet;
 mod special;
 pub mod static_text;
@@ -70,10 +74,10 @@ mod time;
 pub mod truth;
 
 pub use definition::{
-    Actuator, Air, AirMounting, Bending, Calibration, Consequence, DriveEnd, EndSlope, Faces, Film, Gas,
-    Impedance, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError, PlateFile, PlateFileError,
-    PlateSpec, Preset, Resonator, ResponseCurve, SampleRateError, Source, Taper, Thickness, Travel,
-    TurningWidth, fields, limits, preset, presets, sample_rates,
+    Actuator, Air, AirMounting, Bending, Calibration, Companion, Consequence, DriveEnd, EndSlope, Faces,
+    Film, Gas, Harmonics, Impedance, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError,
+    PlateFile, PlateFileError, PlateSpec, Preset, Resonator, ResponseCurve, SampleRateError, Source, Taper,
+    Thickness, Travel, TurningWidth, fields, limits, preset, presets, sample_rates,
 };
 pub use frequency::{
     Equation, Finger, POINTS_MAX, POINTS_MIN, Peak, PredictedEnvelope, RespondError, Responder, Response,

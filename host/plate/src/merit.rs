@@ -10,7 +10,10 @@
 
 mod switching;
 
-use crate::texture::{Palette, TONES_MAX, Target, Texture, TextureError};
+use crate::feeling::{Feeling, FeltTone};
+use crate::intermodulation::products;
+use crate::second_boundary::DrivenTone;
+use crate::texture::{Figures, PLACES, Palette, TONES_MAX, Target, Texture, TextureError};
 use switching::{Peak, last_top};
 
 /// Number of turning points between the start of the span and the boundary at which a second peak is tried.
@@ -27,6 +30,9 @@ pub struct Merit {
     pub frequency_hz: f64,
     /// Ratio of the mean square in the solid area to that 1.4 edge widths past the turning point, dB.
     pub contrast_db: f64,
+    /// The same ratio of the square of what a usual finger feels, with the harmonics of the drive, dB; `None` if the plate file states
+    /// no harmonics.
+    pub felt_contrast_db: Option<f64>,
     /// Ratio of the largest to the smallest RMS amplitude in the solid area, dB.
     pub ripple_db: f64,
     /// Distance over which the amplitude falls from 90 % to 10 % of the solid area's RMS amplitude, metres.
@@ -64,6 +70,7 @@ impl Merit {
             turning_point_m,
             frequency_hz,
             contrast_db,
+            felt_contrast_db: felt_contrast_db(palette, &texture, &target)?,
             ripple_db,
             edge_width_m: edge_width_m(&texture, &target),
             switching_time_s,
@@ -73,6 +80,38 @@ impl Merit {
                 .map(|(distance_m, time_s)| bits(distance_m) / time_s),
         })
     }
+}
+
+/// The contrast of a texture in the strength of the sensation of a usual finger, with the products of the drive.
+fn felt_contrast_db(
+    palette: &Palette<'_>,
+    texture: &Texture,
+    target: &Target,
+) -> Result<Option<f64>, TextureError> {
+    let (plate, table) = (palette.plate(), palette.table());
+    if plate.spec().harmonics.is_none() {
+        return Ok(None);
+    }
+    let positions_m: Vec<f64> = texture.tones.iter().map(|tone| tone.position_m).collect();
+    let peak_m = table.peak_at_full_scale_m();
+    let columns = palette.squares(&positions_m)?;
+    let of_tones = texture.tones.iter().zip(columns.iter()).map(|(tone, squares)| {
+        let power = (tone.level * peak_m).powi(2);
+        (tone.frequency_hz, squares.iter().map(|square| square * power).collect())
+    });
+    let mut felt: Vec<(f64, Vec<f64>)> = of_tones.collect();
+    let driven = texture.tones.iter().map(|tone| DrivenTone {
+        frequency_hz: tone.frequency_hz,
+        level: tone.level,
+        drive_m: table.driven_end_m(plate, tone.position_m) * tone.level,
+    });
+    let driven: Vec<DrivenTone> = driven.collect();
+    felt.extend(products(plate, &driven, PLACES).map_err(|_| TextureError::Silent)?);
+    let tones: Vec<FeltTone<'_>> =
+        felt.iter().map(|(hz, squares)| FeltTone { frequency_hz: *hz, squares }).collect();
+    let strength = Feeling::default().strength(plate, &tones);
+    let squares: Vec<f64> = strength.iter().map(|strength| strength * strength).collect();
+    Ok(Figures::of(&squares, &texture.places_m, target).contrast_db)
 }
 
 /// Distance from the last place with 90 % to the last with 10 % of the area's RMS amplitude, metres.

@@ -57,6 +57,7 @@ fn bare(number: u64) -> Plate {
         loss_factor: random.factor(0.002, 0.1),
         drive_end: DriveEnd::Displacement,
         actuator: None,
+        harmonics: None,
         wave_speed_tolerance: 0.0,
         span_start_m: random.within(0.15, 0.5) * length_m,
         span_end_m: random.within(0.7, 0.95) * length_m,

@@ -9,7 +9,7 @@ use slipline_plate::{
 use std::f64::consts::TAU;
 
 /// The merit with a table as that of the command `slipline merit`.
-fn merit(plate: &Plate, turning_point_m: f64) -> Merit {
+pub(super) fn merit(plate: &Plate, turning_point_m: f64) -> Merit {
     let table = DriveTable::build(plate, 400e3, KNOTS_MAX).expect("has a table");
     Merit::of(&Palette::new(plate, &table), turning_point_m).expect("room for an area")
 }

@@ -19,6 +19,7 @@ mod even_level;
 mod exact;
 mod film;
 mod finger;
+mod harmonics;
 mod lights_truth;
 mod merit;
 mod ode;

@@ -48,6 +48,7 @@ fn every_light_has_its_row_with_the_limits_in_force() {
         ("actuator band", limits::ACTUATOR_LOSS_DB),
         ("excursion", limits::EXCURSION_PERCENT),
         ("sound level", limits::AUDIBLE_DB_A),
+        ("distortion", limits::HARMONIC_DB),
     ] {
         let cells: Vec<&str> = row(name).split(" | ").collect();
         assert!(cells[2].contains(&limit.green.to_string()), "{name}: {cells:?}");

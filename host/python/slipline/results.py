@@ -463,6 +463,8 @@ class Merit(Result):
     """Level before the edge over the level behind it; dB."""
     edge_width_m: float
     """From the peak to a tenth of its amplitude; m."""
+    felt_contrast_db: float | None
+    """The same ratio in sensation, with the drive's harmonics; None where the plate file states none; dB."""
     frequency_hz: float
     """Frequency of the tone or of each answer; Hz."""
     ripple_db: float | None
@@ -524,6 +526,12 @@ class TextureTone(Result):
     """Level of the tone, 0 to 1 of the table's full scale."""
     phase_turns: float
     """Phase of the tone; turns."""
+    second_boundary_db: float | None
+    """How far this harmonic is over the threshold there; negative where it is not felt, None without harmonics; dB."""
+    second_boundary_felt_to_m: float | None
+    """Where a finger feels this harmonic end; None where it does not end on the plate, is not felt, or without harmonics; m."""
+    second_boundary_m: float | None
+    """Where the harmonic of the drive turns that is felt most beyond the felt edge; None without harmonics in the plate file; m."""
     turning_point_m: float
     """Where the wave turns; m."""
 
@@ -645,6 +653,12 @@ class DriveTone(Result):
     """Frequency of the tone or of each answer; Hz."""
     level: float
     """Level of the tone, 0 to 1 of the table's full scale."""
+    second_boundary_db: float | None
+    """How far this harmonic is over the threshold there; negative where it is not felt, None without harmonics; dB."""
+    second_boundary_felt_to_m: float | None
+    """Where a finger feels this harmonic end; None where it does not end on the plate, is not felt, or without harmonics; m."""
+    second_boundary_m: float | None
+    """Where the harmonic of the drive turns that is felt most beyond the felt edge; None without harmonics in the plate file; m."""
     turning_point_m: float
     """Where the wave turns; m."""
 

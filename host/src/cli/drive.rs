@@ -20,6 +20,7 @@ use slipline_link::protocol::event::Fault;
 use slipline_link::protocol::limits::LEASE_MS;
 use slipline_link::{DeviceTable, Snapshot, Sounding};
 use slipline_model::answer::ToneAnswer;
+use slipline_model::companions::with_companions;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::{Setup, edit};
@@ -51,6 +52,11 @@ pub struct DriveArguments {
     /// changes nothing.
     #[arg(long, conflicts_with = "hold")]
     stdin: bool,
+    /// Play companions at twice and three times the frequency of each tone, opposite to the harmonics of the drive that the plate
+    /// file states, so that the still side is still. The tones begin in silence and do not glide; up to five have room. Of
+    /// several tones the sums of their frequencies stay.
+    #[arg(long, conflicts_with_all = ["stdin", "hold"])]
+    cancel_harmonics: bool,
     /// When to begin: now, or with the first block of samples after the device's trigger input rises. Until
     /// then the device waits, armed; Ctrl-C cancels the drive.
     #[arg(long, value_name = "WHEN", value_enum, default_value_t = Begin::Now)]
@@ -196,12 +202,17 @@ impl<'a> Drive<'a> {
             device.during(|| arguments.tables_and_setup(wanted, rate_hz))??
         };
         let snapshot = device.snapshot();
-        let sounding = device.during(|| wanted.sounding(&setup, &table, &snapshot))??;
+        let sounding = if arguments.cancel_harmonics {
+            Sounding::Comb(with_companions(&setup, &table).map_err(Failure::usage)?)
+        } else {
+            device.during(|| wanted.sounding(&setup, &table, &snapshot))??
+        };
         if arguments.stdin && matches!(sounding, Sounding::Chord(_)) {
             let why = "--stdin: the setup is a chord, whose tones stand still; drive it without --stdin";
             return Err(Failure::usage(why));
         }
-        let (places, gain_db) = TonePlaces::as_played(setup.clone(), Some(&sounding), &plate_table);
+        let shown = if arguments.cancel_harmonics { setup.without_harmonics() } else { setup.clone() };
+        let (places, gain_db) = TonePlaces::as_played(shown, Some(&sounding), &plate_table);
         if arguments.clear_faults {
             device.clear_faults()?;
         }
@@ -221,6 +232,9 @@ impl<'a> Drive<'a> {
             writeln!(out, "{}", self.wanted.feeling.words())?;
             if let Some(gain_db) = self.gain_db {
                 writeln!(out, "As a chord, {gain_db:.1} dB above the setup's levels.")?;
+            }
+            if self.arguments.cancel_harmonics {
+                writeln!(out, "Companions cancel the drive's harmonics.")?;
             }
             if self.arguments.at == Begin::Trigger {
                 writeln!(out, "Waiting for the trigger.")?;

@@ -4,6 +4,7 @@ use super::argument::{self, PlateArgument};
 use super::destination::{Destination, ForceArgument};
 use super::device::ArmingArgument;
 use super::failure::Failure;
+use super::harmonics;
 use super::known_drive::KnownDriveArgument;
 use super::measured_file::{BodyArgument, kind};
 use super::measuring::{BandArgument, ByDevice};
@@ -12,7 +13,7 @@ use super::rig::PortArgument;
 use argument::Typed;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use slipline_instrument::measure::{Measured, Sensor, current_sensor};
+use slipline_instrument::measure::{HARMONIC_POINTS, Measured, Sensor, current_sensor};
 use slipline_instrument::rig::RigOptions;
 use slipline_model::atomic_file::STANDARD_STREAM;
 use slipline_plate::Plate;
@@ -39,12 +40,16 @@ pub struct MeasureArguments {
     kind: SensorKind,
     #[command(flatten)]
     body: BodyArgument,
+    /// Measure the second and third harmonic that the drive adds to tones: at 8 frequencies over the plate's span, or COUNT of them
+    /// (2 to 64), and at --level of the table's full scale; --out is the plate file with them (.toml).
+    #[arg(long, value_name = "COUNT", num_args = 0..=1, default_missing_value = "8", value_parser = argument::count(HARMONIC_POINTS.low as usize, HARMONIC_POINTS.high as usize), conflicts_with_all = ["sweep", "from", "to", "points"])]
+    harmonics: Option<usize>,
     #[command(flatten)]
     band: BandArgument,
     /// Largest sum of all tones, over full scale, 0.001 to 1.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
     level: f64,
-    /// Write the measurement as CSV (.csv), universal file (.uff, .unv) or .frd; - is CSV.
+    /// Write the measurement as CSV (.csv), universal file (.uff, .unv) or .frd; - is CSV. With --harmonics, the plate file (.toml).
     #[arg(long, value_name = "FILE", value_parser = measurement_file, help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -84,13 +89,40 @@ fn measurement_file(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match form(&path) {
         Some(_) => Ok(path),
+        None if is_plate_file(&path) => Ok(path),
         // A stream without an ending gets CSV.
         None if path == Path::new(STANDARD_STREAM) => Ok(path),
-        None => Err(must_be("its ending", ".csv, .uff, .unv or .frd")),
+        None => Err(must_be("its ending", ".csv, .uff, .unv or .frd; with --harmonics .toml")),
+    }
+}
+
+/// Whether it is the name of a plate file.
+fn is_plate_file(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+}
+
+impl MeasureArguments {
+    /// The ending of --out must be that of what is measured.
+    fn check_ending(&self) -> Result<(), Failure> {
+        let Some(path) = self.out.as_deref().filter(|path| *path != Path::new(STANDARD_STREAM)) else {
+            return Ok(());
+        };
+        let is_of_harmonics = self.harmonics.is_some();
+        let wanted = if is_of_harmonics { ".toml with --harmonics" } else { ".csv, .uff, .unv or .frd" };
+        if is_plate_file(path) == is_of_harmonics {
+            return Ok(());
+        }
+        Err(Failure::Usage(must_be(format_args!("--out {}: its ending", path.display()), wanted)))
     }
 }
 
 pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Failure> {
+    arguments.check_ending()?;
+    if arguments.harmonics.is_some() && arguments.input == Input::Current {
+        return Err(Failure::usage(
+            "--harmonics are measured by the sensor on the plate, not by --input current",
+        ));
+    }
     let plate = arguments.plate.read()?;
     let sensor = match (&arguments.sensor, arguments.input) {
         (_, Input::Current) => current_sensor(),
@@ -108,6 +140,11 @@ pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Fai
     let rig = arguments.port.rig_with_sensor(&plate, &options)?;
     let request = arguments.band.request(Some(arguments.level), arguments.known.stated()?);
     let by = ByDevice { port: &arguments.port, request, arming: &arguments.arming };
+    if let Some(points) = arguments.harmonics {
+        let level = arguments.level;
+        let wanted = harmonics::Wanted { plate: &plate, sensor, points, level, out: out.as_ref() };
+        return harmonics::run(&wanted, &by, rig.as_ref(), as_json);
+    }
     let device = by.connect(rig.as_ref())?;
     let (measurer, drive) = by.measurer(&device, &plate, rig.as_ref())?;
     let measured = measurer.measure(sensor)?;

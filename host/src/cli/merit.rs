@@ -54,6 +54,11 @@ pub(super) fn run(arguments: &MeritArguments, as_json: bool) -> Result<(), Failu
                 merit.bits_per_s.map_or_else(unknown, |bits| with_decimals(bits, 0)),
             )?;
         }
+        // Only a plate file with harmonics has this figure.
+        for (merit, felt_db) in merits.iter().filter_map(|it| Some((it, it.felt_contrast_db?))) {
+            let (place, felt) = (show_place(merit.turning_point_m), with_decimals(felt_db, 0));
+            writeln!(out, "With the drive's harmonics the contrast at {place} is felt as {felt} dB.")?;
+        }
         Ok(())
     })
 }

@@ -26,6 +26,7 @@ mod feeling;
 mod figure_file;
 mod figures;
 mod followed_drive;
+mod harmonics;
 mod hold;
 mod images;
 mod info;

@@ -4,7 +4,7 @@ use super::argument;
 use super::defaults;
 use super::failure::Failure;
 use clap::Args;
-use slipline_instrument::rig::{PreparedRig, RigOptions, secret, secret_seed};
+use slipline_instrument::rig::{Coil, PreparedRig, RigOptions, secret, secret_seed};
 use slipline_link::Port;
 use slipline_link::simulator::Options;
 use slipline_plate::Plate;
@@ -21,6 +21,17 @@ pub struct PortArgument {
     /// preset's name, a TOML file, or secret:SEED (a plate near it: wave speed within 5 %, 0.5 to 2.5 times the loss).
     #[arg(long, value_name = "TRUTH")]
     actual_plate: Option<String>,
+    /// With --port sim: the second and third harmonic of the simulated coil at full scale, such as 1%,0.5%: its force factor and
+    /// its suspension change with its displacement. Without this option it is linear.
+    #[arg(long, value_name = "SECOND,THIRD", value_parser = two_levels)]
+    actual_coil: Option<[f64; 2]>,
+}
+
+/// Two levels with a comma between them.
+fn two_levels(text: &str) -> Result<[f64; 2], String> {
+    let (second, third) = text.split_once(',').ok_or("write SECOND,THIRD, such as 1%,0.5%")?;
+    let level = |text: &str| argument::level(text).map_err(|error| error.to_string());
+    Ok([level(second)?, level(third)?])
 }
 
 impl PortArgument {
@@ -36,10 +47,24 @@ impl PortArgument {
 
     /// The rig of the simulated device with the plate of `--actual-plate`; `None` without this option.
     pub(super) fn rig(&self, nominal: Option<&Plate>) -> Result<Option<PreparedRig>, Failure> {
-        match self.truth(nominal)? {
-            Some(truth) => prepared(&truth, &RigOptions::default()).map(Some),
+        let coil = self.coil()?;
+        let truth = self.truth(nominal)?;
+        match truth.as_ref().or(nominal.filter(|_| coil.is_some())) {
+            Some(truth) => prepared(truth, &RigOptions { coil, ..RigOptions::default() }).map(Some),
             None => Ok(None),
         }
+    }
+
+    /// The coil of `--actual-coil`.
+    fn coil(&self) -> Result<Option<Coil>, Failure> {
+        let Some(harmonics) = self.actual_coil else { return Ok(None) };
+        let port = self.port()?;
+        if port != Port::Simulated {
+            return Err(Failure::Usage(format!(
+                "--actual-coil is the coil of the simulated device: it requires --port sim, not {port}"
+            )));
+        }
+        Coil::with_harmonics(harmonics, 1.0).map(Some).map_err(Failure::usage)
     }
 
     /// The rig of the simulated device with a sensor: on the plate of the command or that of
@@ -49,11 +74,12 @@ impl PortArgument {
         nominal: &Plate,
         options: &RigOptions,
     ) -> Result<Option<PreparedRig>, Failure> {
-        let truth = self.truth(Some(nominal))?;
+        let (truth, coil) = (self.truth(Some(nominal))?, self.coil()?);
         if self.port()? != Port::Simulated {
             return Ok(None);
         }
-        prepared(truth.as_ref().unwrap_or(nominal), options).map(Some)
+        let options = RigOptions { coil, ..options.clone() };
+        prepared(truth.as_ref().unwrap_or(nominal), &options).map(Some)
     }
 
     /// The plate of `--actual-plate`.
@@ -93,7 +119,11 @@ mod tests {
     use super::*;
 
     fn port(port: &str, actual: Option<&str>) -> PortArgument {
-        PortArgument { port: Some(port.parse().unwrap()), actual_plate: actual.map(str::to_owned) }
+        PortArgument {
+            port: Some(port.parse().unwrap()),
+            actual_plate: actual.map(str::to_owned),
+            actual_coil: None,
+        }
     }
 
     #[test]

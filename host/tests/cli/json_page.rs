@@ -30,7 +30,11 @@ const MORE: &[(&str, &str)] = &[
         "calibrate --plate membrane --kind displacement --data near.txt --sensor 32mm --data far.txt --sensor 176mm",
     ),
     ("calibrate --plan", "calibrate --plate membrane --plan --sensor 32mm --sensor 310mm"),
-    ("profile", "profile write coil.toml"),
+    (
+        "measure --harmonics",
+        "measure --plate membrane --actual-coil 1%,0.5% --sensor 32mm --harmonics 2 --level 0.8 --out coil.toml",
+    ),
+    ("profile", "profile write coil-profile.toml"),
     ("--version", "--version"),
 ];
 const COIL: &str = "name = \"coil\"\nmax_sum = 0.4\nlongest_drive_s = 60\n[travel]\nresonance_hz = 60\nquality = 2\nstatic_travel = 0.5\n";
@@ -149,7 +153,7 @@ fn fields_of_all() -> Vec<(&'static str, Fields)> {
         }
     }
     std::fs::write(folder.join("profile.csv"), "0,0\n0.1,1\n0.25,1\n0.3,0\n").unwrap();
-    std::fs::write(folder.join("coil.toml"), COIL).unwrap();
+    std::fs::write(folder.join("coil-profile.toml"), COIL).unwrap();
     let figures = format!("results = {:?}\ncount = 10", StudyResult::ALL.map(StudyResult::name));
     let study = include_str!("../../assets/study.toml").replace("count = 1000", &figures);
     std::fs::write(folder.join("figures.toml"), study.replace("[0.12, ", "[")).unwrap();

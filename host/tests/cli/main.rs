@@ -9,6 +9,7 @@ mod files;
 #[cfg(unix)]
 mod following;
 mod foreign;
+mod harmonics;
 mod held_up;
 mod help;
 mod holding;

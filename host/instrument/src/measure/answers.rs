@@ -74,10 +74,16 @@ pub(super) struct Window {
 }
 
 impl Window {
+    /// Whether the input was at an end of its range.
+    pub(super) fn is_clipped(&self) -> bool {
+        let (lowest, highest) = self.span;
+        lowest == 0 || highest >= LAST_CODE
+    }
+
     /// Headroom of the input, dB; 0 where it is clipped.
     fn headroom_db(&self) -> f64 {
         let (lowest, highest) = self.span;
-        if lowest == 0 || highest >= LAST_CODE {
+        if self.is_clipped() {
             return 0.0;
         }
         let away = (CODES - f64::from(lowest)).max(f64::from(highest) - CODES).max(0.5);
@@ -86,7 +92,7 @@ impl Window {
 
     /// Deviation of each part of an answer at this frequency, codes: it is a mean of that number of samples
     /// times a sine.
-    fn deviation(&self, quiet: &Self, frequency_hz: f64) -> f64 {
+    pub(super) fn deviation(&self, quiet: &Self, frequency_hz: f64) -> f64 {
         noise_codes(quiet, frequency_hz).max(12_f64.sqrt().recip()) * (2.0 / self.samples as f64).sqrt()
     }
 

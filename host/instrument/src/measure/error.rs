@@ -66,6 +66,14 @@ pub enum MeasureError {
     /// The drive is not on, or is not the stated one.
     #[error("{0}")]
     NotOn(DriveCheck),
+    /// The input was at an end of its range while harmonics were measured, which adds harmonics of its own.
+    #[error("the input is clipped, which adds harmonics of its own: lower the level or the input's gain")]
+    Clipped,
+    /// The sensor receives the plate at no two of the frequencies at twice and three times the frequency.
+    #[error(
+        "at less than two frequencies the sensor receives twice or three times the frequency clearly: put it nearer to the driven end, or raise the level"
+    )]
+    NoHarmonics,
     /// The user cancelled it.
     #[error("cancelled")]
     Cancelled,

@@ -2,13 +2,9 @@
 
 use super::plan::Comb;
 use slipline_link::DeviceTable;
-use slipline_link::protocol::table::Knot;
-use slipline_link::protocol::units::Gain;
 
 /// Largest level on the wire, which stands for 1.
 const LEVELS: f64 = 65_535.0;
-/// Turns per unit of a knot's phase step.
-const STEP_TURNS: f64 = 1.0 / 4_294_967_296.0;
 
 /// A tone of a comb as it is played.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,7 +22,7 @@ pub(super) struct Tone {
 /// none has a level above `level`.
 pub(super) fn tones(comb: &Comb, table: &DeviceTable, rate_hz: f64, level: f64) -> Vec<Tone> {
     let gains: Vec<(f64, f64)> =
-        comb.frequencies_hz(rate_hz).map(|hz| (hz, gain(table, hz / rate_hz))).collect();
+        comb.frequencies_hz(rate_hz).map(|hz| (hz, table.gain_of_turns(hz / rate_hz))).collect();
     let sum: f64 = gains.iter().map(|(_, gain)| gain).sum();
     // Rounded down, so that rounding cannot raise the sum above the level.
     let each = ((level / sum.max(1.0)) * LEVELS).floor().max(1.0) / LEVELS;
@@ -39,19 +35,6 @@ pub(super) fn tones(comb: &Comb, table: &DeviceTable, rate_hz: f64, level: f64) 
         amplitude: each * gain,
     };
     gains.into_iter().enumerate().map(tone).collect()
-}
-
-/// The table's gain at a frequency in turns per sample; beyond the table that of its nearer end, as in the
-/// device.
-pub(super) fn gain(table: &DeviceTable, turns: f64) -> f64 {
-    let of = |gain: Gain| f64::from(gain.0) / f64::from(Gain::FULL.0);
-    if let Some(place) = table.place_of_turns(turns) {
-        return of(table.setting(place).gain);
-    }
-    let knots = table.knots();
-    let away = |knot: &Knot| (f64::from(knot.step) * STEP_TURNS - turns).abs();
-    let ends = knots.first().into_iter().chain(knots.last());
-    ends.min_by(|a, b| away(a).total_cmp(&away(b))).map_or(0.0, |knot| of(knot.gain))
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ use slipline_plate::Complex64;
 use std::sync::Arc;
 
 /// Master level of a silent comb: its amplitude is far below a code while its phases run.
-const SILENT_DB: f64 = -96.0;
+pub(super) const SILENT_DB: f64 = -96.0;
 
 /// A measurement.
 pub struct Measuring {
@@ -117,21 +117,25 @@ impl Measuring {
         }))
     }
 
-    /// Requests this number of windows as one, from a sample on; with `None`, from now on.
     fn listen(&self, comb: &Comb, from: Option<u64>, windows: u16) -> Request {
-        Request::Listen(ListenRequest {
-            from,
-            blocks: windows * comb.period_blocks,
-            shape: WindowShape::Rectangular,
-            // One bit per tone, 16 at most.
-            slots: u16::MAX >> (16 - comb.harmonics.len().clamp(1, 16)),
-            input: self.sensor.input,
-        })
+        listen(comb, self.sensor.input, from, windows)
     }
 }
 
+/// Requests this number of windows as one at an input, from a sample on; with `None`, from now on.
+pub(super) fn listen(comb: &Comb, input: u8, from: Option<u64>, windows: u16) -> Request {
+    Request::Listen(ListenRequest {
+        from,
+        blocks: windows * comb.period_blocks,
+        shape: WindowShape::Rectangular,
+        // One bit per tone, 16 at most.
+        slots: u16::MAX >> (16 - comb.harmonics.len().clamp(1, 16)),
+        input,
+    })
+}
+
 /// This number of windows as one, from an outcome; `None` if it has none.
-fn windowed(
+pub(super) fn windowed(
     comb: &Comb,
     windows: u16,
     tones: &[Tone],

@@ -7,6 +7,7 @@
 //! Plate, Wanted --SweepPlan-> one gliding tone --Sweeping--> Measured
 //!                --PlayedSweep-> two of them ---Playing--> a recorder's WAV file --HeardSweep--> responses
 //! Plate, circuit -----------> quiet comb --DriveChecking--> whether the drive is on --AfterCheck--> Measuring
+//! Plate, level ---------------> combs of f, 2f, 3f --MeasuringHarmonics--> harmonics of the drive, for a plate file
 //! Plate ---------------------> windows of codes --Verifying--> whether they are the mirror's
 //! ```
 //! Each is a [`Procedure`] without a clock and a port, so the command line, the app and the tests [`Run`] the
@@ -19,6 +20,7 @@ mod codes;
 mod dialogue;
 mod drive_checking;
 mod error;
+mod harmonics;
 mod loudness;
 mod measuring;
 mod plan;
@@ -36,6 +38,7 @@ pub use dialogue::Dialogue;
 pub(crate) use drive_checking::CURRENT_INPUT;
 pub use drive_checking::{CheckedDrive, DriveChecking, KnownDrive, current_sensor};
 pub use error::MeasureError;
+pub use harmonics::{HARMONIC_POINTS, HarmonicsPlan, MeasuredHarmonics, MeasuringHarmonics};
 pub use measuring::Measuring;
 pub use plan::{Comb, LEVEL, POINTS, Plan, SETTLED, Wanted};
 pub use procedure::{NextStep, Procedure, Run};

@@ -35,8 +35,8 @@ const SETTLE_MAX_S: f64 = 5.0;
 const SETTLE_MIN_S: f64 = 2e-3;
 /// Limits of a comb's rise time, seconds, and its share of the time to settle: a slow rise excites less
 /// beside the tones.
-const RISE_S: (f64, f64) = (5e-3, 0.02);
-const RISE: f64 = 0.1;
+pub(super) const RISE_S: (f64, f64) = (5e-3, 0.02);
+pub(super) const RISE: f64 = 0.1;
 /// Shortest window, seconds: 2000 samples at 400 kS/s.
 const WINDOW_MIN_S: f64 = 5e-3;
 /// Longest window, seconds.
@@ -251,7 +251,7 @@ pub(super) fn time_constant_s(plate: &Plate, lowest_hz: f64) -> f64 {
 }
 
 /// Settling time of a plate's response to tones at this frequency and above, seconds.
-fn settle_s(plate: &Plate, lowest_hz: f64) -> f64 {
+pub(super) fn settle_s(plate: &Plate, lowest_hz: f64) -> f64 {
     (SETTLED * time_constant_s(plate, lowest_hz)).clamp(SETTLE_MIN_S, SETTLE_MAX_S)
 }
 

@@ -6,10 +6,12 @@
 //!                  |               (slipline_plate)                                            |
 //!                  +--> motor: current through the shunt ---------------------------------------+
 //! ```
+//! The coil is linear, or one whose force factor and suspension change with its displacement ([`Coil`]).
 //! The plate may differ from the one that the host assumes: [`secret`] draws an unknown one. A [`RigHand`]
 //! acts as a person at the rig: it moves the sensor or pulls a plug.
 
 mod bench;
+mod coil;
 mod converter;
 mod copy;
 mod error;
@@ -22,6 +24,7 @@ mod prepared;
 mod sampler;
 mod standing;
 
+pub use coil::Coil;
 pub use copy::{RigCopy, RigState};
 pub use error::RigError;
 pub use fault::RigFault;

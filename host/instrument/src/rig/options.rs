@@ -1,5 +1,6 @@
 //! Options of a rig.
 
+use super::coil::Coil;
 use super::error::RigError;
 use slipline_plate::Finger;
 use slipline_plate::calibrate::{SensorBody, SensorKind};
@@ -38,6 +39,8 @@ pub struct RigOptions {
     pub finger: Option<Finger>,
     /// What the sensor weighs; none while a finger rests on the plate.
     pub body: Option<SensorBody>,
+    /// A coil that adds harmonics; `None` is a linear one.
+    pub coil: Option<Coil>,
 }
 
 impl Default for RigOptions {
@@ -51,6 +54,7 @@ impl Default for RigOptions {
             seed: 1,
             finger: None,
             body: None,
+            coil: None,
         }
     }
 }
@@ -63,6 +67,9 @@ impl RigOptions {
         }
         OutOfRange::check("sensor delay", self.sensor_delay_s, limits::SENSOR_DELAY)?;
         OutOfRange::check("noise", self.noise_lsb, limits::NOISE)?;
+        if let Some(coil) = &self.coil {
+            coil.check()?;
+        }
         if let Some(body) = self.body {
             SensorBody::new(body.mass_kg, body.width_m)?;
             if self.finger.is_some() {

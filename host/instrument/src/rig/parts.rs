@@ -53,8 +53,8 @@ impl Parts {
             let sensor = Arc::new(self.plate.sensor(self.sensor, stands_m, self.late_s)?);
             return Ok(Standing { sensor, weighed: None });
         };
-        let plate =
-            SensedPlate::new(self.plate.plate(), Some(&body.at(stands_m)), self.plate.sample_rate_hz())?;
+        let sensed = if self.signals.coil.is_some() { SensedPlate::with_harmonics } else { SensedPlate::new };
+        let plate = sensed(self.plate.plate(), Some(&body.at(stands_m)), self.plate.sample_rate_hz())?;
         let sensor = Arc::new(plate.sensor(self.sensor, stands_m, self.late_s)?);
         let current = current_of(&self.motor, &plate)?;
         Ok(Standing { sensor, weighed: Some(Arc::new(Weighed { at_rest: plate.at_rest(), current })) })

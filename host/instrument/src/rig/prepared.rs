@@ -70,7 +70,8 @@ impl PreparedRig {
     /// [`RigError`] names the option that is out of range, or why the plate cannot be simulated in time.
     pub fn new(truth: &Plate, options: &RigOptions, sample_rate_hz: f64) -> Result<Self, RigError> {
         options.check()?;
-        let plate = SensedPlate::new(truth, options.finger.as_ref(), sample_rate_hz)?;
+        let sensed = if options.coil.is_some() { SensedPlate::with_harmonics } else { SensedPlate::new };
+        let plate = sensed(truth, options.finger.as_ref(), sample_rate_hz)?;
         let late = options.sensor_delay_s * sample_rate_hz;
         let motor = Motor::of(truth);
         let motor = motor.on_plate_that_yields(plate.held_drive_point_m(motor.held()));
@@ -89,6 +90,7 @@ impl PreparedRig {
             late: late as usize,
             seed: options.seed,
             noise_lsb: options.noise_lsb,
+            coil: options.coil,
         };
         let late_s = late.fract() / sample_rate_hz;
         let parts = Parts {

@@ -1,6 +1,7 @@
 //! The rig in the time domain: samples of its two inputs.
 
 use super::bench::{Bench, lock};
+use super::coil::Coil;
 use super::converter::{HALF, code};
 use super::fault::RigFault;
 use super::standing::Weighed;
@@ -25,6 +26,8 @@ pub(super) struct Signals {
     /// Seed and standard deviation of the inputs' noise, in steps of the converter.
     pub(super) seed: u64,
     pub(super) noise_lsb: f64,
+    /// The coil, unless it is linear.
+    pub(super) coil: Option<Coil>,
 }
 
 impl fmt::Debug for Signals {
@@ -104,7 +107,9 @@ impl SimulatedInputs for Sampler {
         let mut signals = [[0.0; BLOCK]; 2];
         let [of_sensor, of_shunt] = &mut signals;
         let current = self.weighed.as_ref().map_or(&self.signals.current, |it| &it.current);
-        self.resonators.run(&drive(volts), [&*standing.sensor, current], [of_sensor, of_shunt]);
+        let linear = drive(volts);
+        let moved = self.signals.coil.map_or(linear, |coil| linear.map(|linear| coil.displacement(linear)));
+        self.resonators.run(&moved, [&*standing.sensor, current], [of_sensor, of_shunt]);
         self.delay(&mut signals[0]);
         let [full_scale, full_scale_a] = self.signals.full_scale;
         let gain = match fault {

@@ -14,6 +14,9 @@ pub struct ToneAnswer {
     pub felt: String,
     pub frequency_hz: f64,
     pub level: f64,
+    pub second_boundary_m: Option<f64>,
+    pub second_boundary_db: Option<f64>,
+    pub second_boundary_felt_to_m: Option<f64>,
 }
 
 impl ToneAnswer {
@@ -27,6 +30,12 @@ impl ToneAnswer {
             felt: places.felt_words(),
             frequency_hz,
             level: places.level,
+            second_boundary_m: places.second.map(|second| second.turning_point_m),
+            second_boundary_db: places
+                .second
+                .map(|second| second.over_threshold_db)
+                .filter(|db| db.is_finite()),
+            second_boundary_felt_to_m: places.second.and_then(|second| second.felt_to.place_m()),
         }
     }
 }

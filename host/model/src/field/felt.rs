@@ -6,6 +6,7 @@
 use crate::field::steady_field::{SteadyField, interpolate};
 use slipline_plate::check::sensation::SLIPPERY_FROM_HZ;
 use slipline_plate::feeling::{EdgesByPerson, Feeling, FeltEdge, FeltTone};
+use slipline_plate::second_boundary::SecondBoundary;
 use slipline_plate::{Complex64, Plate};
 
 /// Strength over the threshold from which a place is clearly felt: 6 dB.
@@ -115,6 +116,8 @@ pub struct Felt {
     pub tolerance_m: Option<f64>,
     /// Why nothing is felt, if so.
     pub not_felt: Option<NotFelt>,
+    /// The harmonic of the drive that is felt most beyond the edge, where harmonics are counted in.
+    pub second: Option<SecondBoundary>,
 }
 
 impl Felt {
@@ -159,7 +162,14 @@ impl Felt {
         let highest_hz = tones.iter().map(|&(frequency_hz, _)| frequency_hz).fold(0.0, f64::max);
         let not_felt = (edge == FeltEdge::Nowhere).then(|| NotFelt::of(plate, highest_hz));
         let by_person = Feeling::edges_by_person(plate, &strength);
-        Self { length_m: plate.length_m(), strength, edge, by_person, tolerance_m, not_felt }
+        let length_m = plate.length_m();
+        Self { length_m, strength, edge, by_person, tolerance_m, not_felt, second: None }
+    }
+
+    /// The second boundary in words, if a finger feels one: `second boundary at 231 mm, +12 dB over the threshold`.
+    #[must_use]
+    pub fn second_words(&self) -> Option<String> {
+        Some(self.second.filter(SecondBoundary::is_felt)?.words(self.length_m))
     }
 
     /// Strength at a place; 0 off the plate.

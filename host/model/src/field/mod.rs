@@ -4,6 +4,7 @@ pub mod asked_place;
 pub mod displacement_map;
 pub mod edge_reach;
 pub mod felt;
+pub mod harmonics;
 pub mod line;
 mod line_at_rest;
 pub mod rings;

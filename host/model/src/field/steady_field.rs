@@ -33,6 +33,8 @@ pub struct ToneWave {
     pub peak_position_m: Option<f64>,
     /// Height of the peak, in metres: under a finger less than the tone's own peak.
     pub peak_height_m: Option<f64>,
+    /// Displacement of the driven end's drive, in metres: the wave over that of a drive of 1.
+    pub drive_m: f64,
     /// Displacement amplitude at each of [`POINTS`] places, in metres: u = Re(f e^(-j omega t)).
     pub wave: Vec<Complex64>,
 }
@@ -191,6 +193,7 @@ fn solve_by(responder: &mut Responder, tone: &SteadyTone, finger: Option<&Finger
         edge_width_m: response.edge_width_m,
         peak_position_m: response.peak.as_ref().map(|peak| peak.position_m),
         peak_height_m: response.peak.as_ref().map(|peak| peak.amplitude * scale),
+        drive_m: scale,
         wave: response.amplitude.into_iter().map(|amplitude| amplitude * scale).collect(),
     })
 }
@@ -203,9 +206,7 @@ impl SteadyTone {
         Self {
             slot: tone.slot,
             frequency_hz: table.frequency_hz(tone.position_m),
-            peak_m: (tone.level * setup.chord_factor()).min(1.0)
-                * setup.master()
-                * table.peak_m(tone.position_m),
+            peak_m: setup.played_level(tone) * table.peak_m(tone.position_m),
         }
     }
 }

@@ -7,6 +7,7 @@
 //! felt edge to its tone, is [`crate::field::edge_reach`].
 
 use crate::field::felt::{NotFelt, by_person_words};
+use crate::field::harmonics::second_boundary;
 use crate::field::line::felt_alone;
 use crate::field::steady_field::{SteadyField, SteadyTone, ToneWave};
 use crate::setup::{Setup, ToneSetup};
@@ -14,6 +15,7 @@ use slipline_link::{DeviceTable, Sounding};
 use slipline_plate::DriveTable;
 use slipline_plate::feeling::{EdgesByPerson, FeltEdge};
 use slipline_plate::quantity::show_place;
+use slipline_plate::second_boundary::SecondBoundary;
 
 /// Both places of a tone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +34,11 @@ pub struct TonePlaces {
     pub by_person: EdgesByPerson,
     /// Why the tone is not felt, if so.
     pub not_felt: Option<NotFelt>,
+    /// The harmonic of the drive that is felt most beyond the felt edge; `None` for a plate file without harmonics, and where the
+    /// tone is felt up to the plate's end.
+    pub second: Option<SecondBoundary>,
+    /// The plate's length, in metres: a second boundary beyond it is none on the plate.
+    length_m: f64,
 }
 
 impl TonePlaces {
@@ -53,10 +60,12 @@ impl TonePlaces {
             slot: tone.slot,
             turning_point_m: tone.position_m,
             frequency_hz,
-            level: (tone.level * setup.chord_factor()).min(1.0) * setup.master(),
+            level: setup.played_level(tone),
             felt_edge,
             by_person: felt.map_or(nowhere, |felt| felt.by_person),
             not_felt: (felt_edge == FeltEdge::Nowhere).then_some(why),
+            second: wave.and_then(|wave| second_boundary(setup, tone, wave, felt_edge)),
+            length_m: setup.plate.length_m(),
         }
     }
 
@@ -96,11 +105,18 @@ impl TonePlaces {
         }
     }
 
-    /// The felt edge in words, with its spread: `felt edge at 210.0 mm, 201 to 219 mm by person`.
+    /// The felt edge in words, with its spread: `felt edge at 210.0 mm, 201 to 219 mm by person`; and the second boundary, if a
+    /// finger feels one.
     #[must_use]
     pub fn felt_words(&self) -> String {
-        let edge = self.edge_words();
-        by_person_words(self.by_person).map_or_else(|| edge.clone(), |words| format!("{edge}, {words}"))
+        let mut words = self.edge_words();
+        if let Some(by_person) = by_person_words(self.by_person) {
+            words = format!("{words}, {by_person}");
+        }
+        match self.second.filter(SecondBoundary::is_felt) {
+            Some(second) => format!("{words}; {}", second.words(self.length_m)),
+            None => words,
+        }
     }
 }
 

@@ -127,6 +127,18 @@ impl Setup {
         from_decibels(self.chord_gain_db.unwrap_or(0.0))
     }
 
+    /// The same setup on a plate whose drive adds no harmonics, as after their cancellation.
+    #[must_use]
+    pub fn without_harmonics(&self) -> Self {
+        Self { plate: Arc::new(self.plate.without_harmonics()), ..self.without_chord() }
+    }
+
+    /// The level at which a tone is played, 0 to 1: its own with the gain of a chord and the master level.
+    #[must_use]
+    pub fn played_level(&self, tone: &ToneSetup) -> f64 {
+        (tone.level * self.chord_factor()).min(1.0) * self.master()
+    }
+
     /// The same tones without a chord, as after a change of one of them.
     #[must_use]
     pub fn without_chord(&self) -> Self {

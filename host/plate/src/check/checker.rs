@@ -5,7 +5,9 @@ use super::error::{CheckError, on_plate};
 use super::grading::{Finding, Site};
 use super::interval::Interval;
 use super::levels::{AT_ONCE, SiteLevels};
-use super::lights::{actuator, air, drive, felt_edge, sensitivity, shape, sound, thickness, touch, wave};
+use super::lights::{
+    actuator, air, distortion, drive, felt_edge, sensitivity, shape, sound, thickness, touch, wave,
+};
 use super::prepared::{Prepared, SPAN_PLACES};
 use super::report::Report;
 use crate::definition::plate::Plate;
@@ -162,7 +164,7 @@ impl Checker {
 
 /// All lights at one boundary.
 fn findings(site: &Site<'_>) -> Vec<Finding> {
-    vec![
+    let mut findings = vec![
         shape::slope_light(site),
         shape::curvature_light(site),
         shape::wavelengths_light(site),
@@ -182,5 +184,7 @@ fn findings(site: &Site<'_>) -> Vec<Finding> {
         sound::beat_light(site),
         air::air_light(site),
         felt_edge::felt_edge_light(site),
-    ]
+    ];
+    findings.extend(distortion::distortion_light(site));
+    findings
 }

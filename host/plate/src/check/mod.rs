@@ -13,6 +13,7 @@
 //!   lights/sound.rs  sound level, beat
 //!   lights/air.rs    air
 //!   lights/felt_edge.rs  felt edge
+//!   lights/distortion.rs  distortion, where the file states harmonics
 //! ```
 //! Every limit is a named constant in [`thresholds`], with its reason.
 

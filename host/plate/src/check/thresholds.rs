@@ -102,6 +102,10 @@ pub const FINGER_LOAD: Limits = Limits { green: 0.1, amber: 1.0 };
 /// that passes once. Up to 1.5 dB is hardly noticed; 20 dB leave a tenth.
 pub(crate) const FINGER_DB: Limits = Limits { green: 1.5, amber: 20.0 };
 
+/// A harmonic of the drive beyond the felt edge of its tone, dB over the threshold of a usual finger. From 6 dB on it is clearly
+/// felt (no source: a round value, as that of a felt strip).
+pub const HARMONIC_DB: Limits = Limits { green: 0.0, amber: 6.0 };
+
 /// Steps of the device's 12-bit DAC from the middle to full scale.
 pub(crate) const DAC_AMPLITUDE_STEPS: f64 = 2047.5;
 

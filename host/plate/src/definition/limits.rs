@@ -52,6 +52,10 @@ pub const TRAVEL: Range = Range::new(1e-9, 0.1, "m");
 pub(crate) const CURVE_FREQUENCY: Range = Range::new(0.1, 1e7, "Hz");
 /// Gain of such a point.
 pub(crate) const GAIN: Range = Range::new(-200.0, 200.0, "dB");
+/// Level of a drive's harmonic over its fundamental.
+pub(crate) const HARMONIC: Range = Range::new(-200.0, 0.0, "dB");
+/// Level of the tone at which harmonics were measured.
+pub const HARMONIC_LEVEL: Range = Range::new(1e-3, 1.0, "");
 /// Phase of such a point.
 pub(crate) const PHASE: Range = Range::new(-36e3, 36e3, "degrees");
 /// Tension of a membrane, per metre of width.

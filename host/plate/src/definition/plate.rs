@@ -10,6 +10,7 @@ use crate::definition::calibration::Calibration;
 use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Consequence, Origin, PlateError};
 use crate::definition::film::{self, FilmEdge};
+use crate::definition::harmonics::Harmonics;
 use crate::definition::model::Model;
 use crate::definition::strip_table::StripTable;
 use crate::definition::taper::{Taper, WidthLaw};
@@ -59,6 +60,8 @@ pub struct PlateSpec {
     pub drive_end: DriveEnd,
     /// The actuator's response, if it matters.
     pub actuator: Option<Actuator>,
+    /// The harmonics that the drive adds to a tone; `None` if they are not known. They change neither table nor response.
+    pub harmonics: Option<Harmonics>,
     /// Displacement of the drive at DAC full scale, metres (1e-9 to 0.1). Illustrative until you have measured it.
     pub full_scale_m: f64,
     /// Turning point nearest to the drive that a user can choose, metres (0.001 L to 0.999 L).
@@ -159,6 +162,9 @@ impl Plate {
         if let Some(actuator) = &spec.actuator {
             actuator.validate()?;
         }
+        if let Some(harmonics) = &spec.harmonics {
+            harmonics.validate()?;
+        }
         if let Some(calibration) = &spec.calibration {
             calibration.validate()?;
         }
@@ -221,6 +227,14 @@ impl Plate {
             plate.width.clone_from(&plate.edges);
             plate.set_turning_width(plate.spec.turning_width);
         }
+        plate
+    }
+
+    /// The same plate with a drive without harmonics.
+    #[must_use]
+    pub fn without_harmonics(&self) -> Self {
+        let mut plate = self.clone();
+        plate.spec.harmonics = None;
         plate
     }
 

@@ -29,6 +29,11 @@ pub struct ResponseCurve {
 impl ResponseCurve {
     /// Refuses points that are out of their range; `name` is the list's name in a plate file.
     pub(crate) fn validate(&self, name: &str) -> Result<(), PlateError> {
+        self.validate_in(name, limits::GAIN)
+    }
+
+    /// The same with another range of the gain.
+    pub(crate) fn validate_in(&self, name: &str, gains: Range) -> Result<(), PlateError> {
         limits::CURVE_POINTS.check(name, self.points.len())?;
         let mut before = None;
         for (index, [frequency_hz, gain_db, phase_deg]) in self.points.iter().copied().enumerate() {
@@ -40,7 +45,7 @@ impl ResponseCurve {
                 rising.check_from(Origin::Rising, &field(0), frequency_hz)?;
             }
             before = Some(frequency_hz);
-            limits::GAIN.check(&field(1), gain_db)?;
+            gains.check(&field(1), gain_db)?;
             limits::PHASE.check(&field(2), phase_deg)?;
         }
         Ok(())

@@ -19,7 +19,7 @@ pub struct Figures {
 impl Figures {
     /// The figures of a field with these mean squares at the palette's places, in units of the largest wanted mean
     /// square.
-    pub(super) fn of(squares: &[f64], places_m: &[f64], target: &Target) -> Self {
+    pub(crate) fn of(squares: &[f64], places_m: &[f64], target: &Target) -> Self {
         let counted = || target.weight.iter().map(|&weight| if weight > 0.0 { 1.0 } else { 0.0 });
         let errors =
             squares.iter().zip(&target.wanted).map(|(square, wanted)| (square.sqrt() - wanted).powi(2));

@@ -160,6 +160,7 @@ pub(crate) fn plate(random: &mut Random, number: usize) -> Option<Plate> {
         wave_speed_tolerance: 0.0,
         drive_end: DriveEnd::Displacement,
         actuator: None,
+        harmonics: None,
         span_start_m: random.between(0.15, 0.5) * length_m,
         span_end_m: random.between(0.7, 0.95) * length_m,
         ..preset("membrane").expect("preset").spec().clone()

@@ -197,3 +197,62 @@ fn a_measured_actuator_is_read_in_place_of_a_resonance() {
         assert!(found.contains(wanted), "{fields}: {found}");
     }
 }
+
+#[test]
+fn harmonics_are_read_with_or_without_a_response_and_refused_by_field_and_range() {
+    let with = |fields: &str| Plate::from_toml(&format!("{GOOD}[actuator]\n{fields}"));
+    let two = "harmonic_level = 0.8\nharmonic_2_points = [[50, -40, 0], [500, -43, 30]]\n";
+    let alone = with(two).expect("harmonics alone");
+    let spec = alone.spec();
+    let harmonics = spec.harmonics.as_ref().expect("stated");
+    assert!(spec.actuator.is_none() && harmonics.third.is_none() && harmonics.level == 0.8);
+    assert_eq!(harmonics.second.as_ref().map(|curve| curve.points[1]), Some([500.0, -43.0, 30.0]));
+    let whole = with(&format!(
+        "resonance_hz = 40\nquality = 2\n{two}harmonic_3_points = [[50, -46, 0], [500, -46, 0]]\n"
+    ));
+    let whole = whole.expect("a resonance with harmonics");
+    assert!(
+        whole.spec().actuator.is_some()
+            && whole.spec().harmonics.as_ref().is_some_and(|it| it.third.is_some())
+    );
+    for plate in [&alone, &whole] {
+        assert_eq!(Plate::from_toml(&plate.to_toml()).as_ref(), Ok(plate), "its own text");
+    }
+    // Neither response nor table have a digit of them.
+    let good = Plate::from_toml(GOOD).expect("valid");
+    assert_eq!(DriveTable::build(&alone, 400e3, 17), DriveTable::build(&good, 400e3, 17));
+    let points = "harmonic_2_points = [[50, -40, 0], [500, -40, 0]]\n";
+    for (fields, wanted) in [
+        (
+            points.to_owned(),
+            "actuator.harmonic_level is missing: level of the tone at which the harmonics hold, a number, 0.001 to 1",
+        ),
+        (
+            "harmonic_level = 0.5\n".to_owned(),
+            "actuator.harmonic_2_points is missing: the drive's second harmonic",
+        ),
+        (format!("harmonic_level = 0\n{points}"), "actuator.harmonic_level = 0: must be 0.001 to 1"),
+        (format!("harmonic_level = nan\n{points}"), "actuator.harmonic_level = nan: must be 0.001 to 1"),
+        (
+            "harmonic_level = 0.5\nharmonic_3_points = [[50, 3, 0], [500, -40, 0]]\n".to_owned(),
+            "actuator.harmonic_3_points[0][1] = 3: must be -200 to 0 dB",
+        ),
+        (
+            "harmonic_level = 0.5\nharmonic_2_points = [[50, -40, 0], [50, -40, 0]]\n".to_owned(),
+            "actuator.harmonic_2_points[1][0] = 50: must be",
+        ),
+        (
+            "harmonic_level = 0.5\nharmonic_2_points = [[50, -40, 0]]\n".to_owned(),
+            "actuator.harmonic_2_points",
+        ),
+        (
+            "harmonic_level = 0.5\nharmonic_2_points = [[50, -40], [60, -40]]\n".to_owned(),
+            "a triple [frequency, level, phase] of numbers, in Hz, dB and degrees",
+        ),
+        (format!("quality = 2\nharmonic_level = 0.5\n{points}"), "actuator.resonance_hz is missing"),
+        ("harmonics_level = 0.5\n".to_owned(), "did you mean harmonic_level?"),
+    ] {
+        let found = with(&fields).expect_err(&fields).to_string();
+        assert!(found.contains(wanted), "{fields}: {found}");
+    }
+}

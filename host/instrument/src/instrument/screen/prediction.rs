@@ -6,6 +6,7 @@ use crate::instrument::drive::Drive;
 #[cfg(test)]
 use crate::instrument::tests;
 use slipline_model::field::felt::Felt;
+use slipline_model::field::harmonics::felt_with_harmonics;
 use slipline_model::field::line::{self, Holds, Line};
 use slipline_model::field::steady_field::{SteadyField, steady_tones};
 use slipline_model::jobs::table::TableMade;
@@ -75,10 +76,9 @@ impl Prediction {
             #[cfg(test)]
             tests::count(&tests::FIELDS);
             let (setup, table) = (desk.setup(), drive.drive_table());
-            let tones = match drive.chord(setup) {
-                Some(_) => steady_tones(setup, table),
-                None => steady_tones(&setup.without_chord(), table),
-            };
+            let without_chord = drive.chord(setup).is_none().then(|| setup.without_chord());
+            let played = without_chord.as_ref().unwrap_or(setup);
+            let tones = steady_tones(played, table);
             let alone = SteadyField::solve(&setup.plate, &tones);
             let known = table.map(|_| &alone);
             let mut lines = line::lines(setup, known);
@@ -90,7 +90,7 @@ impl Prediction {
             }
             Predicted {
                 lines,
-                felt: known.map(|known| Felt::of(&setup.plate, &setup.feeling, known)),
+                felt: known.map(|known| felt_with_harmonics(played, known)),
                 field: match load {
                     None => alone,
                     Some(finger) => SteadyField::solve_touched(&setup.plate, &tones, Some(&finger)),

@@ -3,7 +3,6 @@
 use super::chirp::Chirp;
 use super::deconvolution::smooth;
 use crate::measure::error::MeasureError;
-use crate::measure::loudness;
 use slipline_link::DeviceTable;
 use std::sync::Arc;
 
@@ -21,7 +20,7 @@ pub(super) fn gain(chirp: &Chirp, table: &DeviceTable, frequency_hz: f64) -> f64
     let ((first, last), (below, above)) = (chirp.ends_hz, chirp.margins_hz());
     let rise = smooth(frequency_hz, (first, first + FADE * below));
     let fall = 1.0 - smooth(frequency_hz, (last - FADE * above, last));
-    loudness::gain(table, frequency_hz / chirp.rate_hz) * rise * fall
+    table.gain_of_turns(frequency_hz / chirp.rate_hz) * rise * fall
 }
 
 /// The frequencies of the knots, Hz.

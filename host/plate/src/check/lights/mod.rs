@@ -2,6 +2,7 @@
 
 pub(super) mod actuator;
 pub(super) mod air;
+pub(super) mod distortion;
 pub(super) mod drive;
 pub(super) mod felt_edge;
 pub(super) mod sensitivity;

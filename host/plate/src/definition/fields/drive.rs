@@ -5,6 +5,7 @@ use crate::definition::actuator::{Actuator, Resonator};
 use crate::definition::air::{Air, AirMounting, Faces, Gas};
 use crate::definition::calibration::{Calibration, SOURCE_TOLERANCE};
 use crate::definition::drive::DriveEnd;
+use crate::definition::harmonics::Harmonics;
 use crate::definition::impedance::Impedance;
 use crate::definition::limits;
 use crate::definition::response_curve::ResponseCurve;
@@ -169,6 +170,21 @@ pub(super) const AIR: Section = Section {
     },
 };
 
+const HARMONIC: Columns = Columns {
+    points: limits::CURVE_POINTS,
+    one: "a triple [frequency, level, phase] of numbers, in Hz, dB and degrees",
+    many: "triples [frequency, level, phase] of numbers, in Hz, dB and degrees",
+};
+
+/// The fields of the harmonics' points.
+pub(crate) const HARMONIC_POINTS: [&str; 2] = ["harmonic_2_points", "harmonic_3_points"];
+
+/// The harmonics, where the file has their points.
+fn harmonics(has: &dyn Fn(&str) -> bool) -> Option<Harmonics> {
+    let [second, third] = HARMONIC_POINTS.map(|name| has(name).then(|| ResponseCurve { points: Vec::new() }));
+    (second.is_some() || third.is_some()).then_some(Harmonics { level: 0.0, second, third })
+}
+
 /// A measured curve where the file has its points, else a resonator; half a travel is none, so its two fields belong together.
 fn actuator(has: &dyn Fn(&str) -> bool) -> Actuator {
     if has("points") {
@@ -183,7 +199,18 @@ pub(super) const ACTUATOR: Section = Section {
     name: "actuator",
     meaning: "what lies between the DAC and the driven end",
     kind_field: "",
-    kinds: kinds! { spec, has: "" [] { spec.actuator, Some(_) } = Some(actuator(has)); },
+    kinds: &[Kind {
+        word: "",
+        fields: &[],
+        is: |spec| spec.actuator.is_some() || spec.harmonics.is_some(),
+        begin: |spec, has| {
+            spec.harmonics = harmonics(has);
+            // A file may state harmonics alone: then nothing lies between the DAC and the driven end.
+            let responds = ["resonance_hz", "quality", "peak_travel_m", "static_travel_m", "points"];
+            let is_stated = spec.harmonics.is_none() || responds.into_iter().any(has);
+            spec.actuator = is_stated.then(|| actuator(has));
+        },
+    }],
     not_a_kind: NONE,
     fields: fields! { spec:
         resonance_hz: FieldType::Number(limits::RESONANCE), "resonance of the actuator" ["Resonance", Unit::Hertz]
@@ -198,6 +225,12 @@ pub(super) const ACTUATOR: Section = Section {
             { spec.actuator, Some(Actuator::Resonator(Resonator { travel: Some(it), .. })) => Slot::Number(&mut it.static_m) };
         points: FieldType::Points(&CURVE), "the measured response"
             { spec.actuator, Some(Actuator::Measured(it)) => Slot::Triples(&mut it.points) };
+        harmonic_level: FieldType::Number(limits::HARMONIC_LEVEL), "level of the tone at which the harmonics hold"
+            { spec.harmonics, Some(it) => Slot::Number(&mut it.level) };
+        harmonic_2_points: FieldType::Points(&HARMONIC), "the drive's second harmonic over its fundamental"
+            { spec.harmonics, Some(Harmonics { second: Some(it), .. }) => Slot::Triples(&mut it.points) };
+        harmonic_3_points: FieldType::Points(&HARMONIC), "the drive's third harmonic over its fundamental"
+            { spec.harmonics, Some(Harmonics { third: Some(it), .. }) => Slot::Triples(&mut it.points) };
     },
 };
 

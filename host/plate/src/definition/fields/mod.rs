@@ -6,7 +6,7 @@ mod drive;
 mod field;
 mod sheet;
 
-pub(crate) use drive::DRIVE;
+pub(crate) use drive::{DRIVE, HARMONIC_POINTS};
 pub use field::Field;
 pub(crate) use field::{FieldType, Kind, Section, Slot};
 pub(crate) use sheet::{MODEL, PLATE, TAPER};

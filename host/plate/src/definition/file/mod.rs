@@ -7,7 +7,7 @@ mod writer;
 
 use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Origin, PlateError, PlateFileError};
-use crate::definition::fields::{DRIVE, PLATE, SECTIONS};
+use crate::definition::fields::{DRIVE, HARMONIC_POINTS, PLATE, SECTIONS};
 use crate::definition::limits;
 use crate::definition::model::Model;
 use crate::definition::plate::{Plate, PlateSpec};
@@ -98,6 +98,7 @@ fn blank() -> PlateSpec {
         loss_tolerance: None,
         drive_end: DriveEnd::Displacement,
         actuator: None,
+        harmonics: None,
         full_scale_m: 0.0,
         span_start_m: 0.0,
         span_end_m: 0.0,
@@ -122,6 +123,9 @@ fn refuse_conflict(section: &Given<'_>, spec: &PlateSpec) -> Result<(), PlateErr
             };
             let reason = "the air is given by density_kg_per_m3 and sound_speed_m_per_s already";
             (format!("air.{name}"), reason.to_owned())
+        }
+        "actuator" if section.has("harmonic_level") && given(&HARMONIC_POINTS).is_none() => {
+            return Err(section.missing(HARMONIC_POINTS[0]));
         }
         "actuator" => {
             let resonator = given(&["resonance_hz", "quality", "peak_travel_m", "static_travel_m"]);

@@ -40,6 +40,8 @@ pub use resonators::Resonators;
 const PLACES: usize = 129;
 /// Exact band: factors on the lowest and the highest frequency of the span's band.
 const BEYOND: (f64, f64) = (0.8, 1.5);
+/// The second of them for a drive with harmonics up to the third.
+const HARMONICS: f64 = 3.1;
 /// The same with a finger: far above the band, its contact is not a sum of resonances.
 const BEYOND_TOUCHED: (f64, f64) = (1.0, 1.05);
 /// Number of frequencies at which the plate holds its drive.
@@ -91,13 +93,39 @@ impl SensedPlate {
     /// # Errors
     /// Those of [`super::TimeDomainLine::touched`].
     pub fn new(plate: &Plate, finger: Option<&Finger>, sample_rate_hz: f64) -> Result<Self, LineError> {
+        Self::up_to(plate, finger, sample_rate_hz, BEYOND.1)
+    }
+
+    /// As [`SensedPlate::new`], and exact up to 3.1 times the highest frequency of the span, for a drive with harmonics; with a
+    /// finger that damps no farther than that.
+    ///
+    /// # Errors
+    /// As [`SensedPlate::new`].
+    pub fn with_harmonics(
+        plate: &Plate,
+        finger: Option<&Finger>,
+        sample_rate_hz: f64,
+    ) -> Result<Self, LineError> {
+        Self::up_to(plate, finger, sample_rate_hz, HARMONICS)
+    }
+
+    /// A plate that is exact up to `reach` times the highest frequency of the span.
+    fn up_to(
+        plate: &Plate,
+        finger: Option<&Finger>,
+        sample_rate_hz: f64,
+        reach: f64,
+    ) -> Result<Self, LineError> {
         sample_rate::check(plate, sample_rate_hz)?;
         if let Some(finger) = finger {
             finger.check(plate).map_err(LineError::Finger)?;
         }
         // A body without damping is a resonance among those of the plate.
-        let beyond =
-            if finger.is_some_and(|it| it.resistance_n_s_per_m > 0.0) { BEYOND_TOUCHED } else { BEYOND };
+        let beyond = if finger.is_some_and(|it| it.resistance_n_s_per_m > 0.0) {
+            BEYOND_TOUCHED
+        } else {
+            (BEYOND.0, reach)
+        };
         let (low_hz, high_hz) = plate.band_hz();
         let top_hz = (beyond.1 * high_hz).min(TOP_TO_RATE * sample_rate_hz).max(high_hz);
         let plan = BandPlan::new(sample_rate_hz, beyond.0 * low_hz, top_hz);

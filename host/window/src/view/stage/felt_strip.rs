@@ -98,6 +98,10 @@ fn said(scene: &Scene<'_>) -> String {
         said.push_str(", ");
         said.push_str(&by_person);
     }
+    if let Some(second) = felt.second_words() {
+        said.push_str("; ");
+        said.push_str(&second);
+    }
     said
 }
 

@@ -9,6 +9,7 @@ use eframe::egui::{self, RichText};
 use slipline_model::setup::edit::Edit;
 use slipline_plate::quantity::FIELD_DIGITS;
 use slipline_plate::quantity::Notation as _;
+use slipline_plate::quantity::number_format::typed;
 use slipline_plate::{Actuator, Bending, DriveEnd, EndSlope, Model, Plate, PlateSpec, Source, Taper, fields};
 use std::sync::Arc;
 
@@ -193,5 +194,8 @@ fn actuator(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
     if !is_limited {
         row(ui, &Panel::Plate.field("actuator.peak_travel_m"), "not limited");
         ui.label(RichText::new("The plate file names no peak travel of an actuator").small().weak());
+    }
+    if let Some(harmonics) = &plate.spec().harmonics {
+        row(ui, "Harmonics", format!("from the file, at level {}", typed(harmonics.level)));
     }
 }
