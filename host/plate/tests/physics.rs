@@ -12,6 +12,7 @@ mod clamped_end;
 mod clamped_law;
 mod clamped_sheet;
 mod clamped_time;
+mod digests;
 mod drive_curve;
 mod drive_end;
 mod edges;
