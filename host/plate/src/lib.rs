@@ -70,10 +70,10 @@ mod time;
 pub mod truth;
 
 pub use definition::{
-    Actuator, Air, AirMounting, Bending, Calibration, Consequence, DriveEnd, EndSlope, Faces, Film, Gas,
-    Impedance, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError, PlateFile, PlateFileError,
-    PlateSpec, Preset, Resonator, ResponseCurve, SampleRateError, Source, Taper, Thickness, Travel,
-    TurningWidth, fields, limits, preset, presets, sample_rates,
+    Actuator, Air, AirMounting, Bending, Calibration, Consequence, DriveEnd, EndSlope, Faces, Film, Frame,
+    Gas, Impedance, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError, PlateFile,
+    PlateFileError, PlateSpec, Preset, Resonator, ResponseCurve, SampleRateError, Source, Taper, Thickness,
+    Travel, TurningWidth, fields, limits, preset, presets, sample_rates,
 };
 pub use frequency::{
     Equation, Finger, POINTS_MAX, POINTS_MIN, Peak, PredictedEnvelope, RespondError, Responder, Response,

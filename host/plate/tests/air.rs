@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 fn around(mounting: AirMounting) -> Air {
     let gas = Gas::Given { density_kg_per_m3: 1.204, sound_speed_m_per_s: 343.2 };
-    Air::Around { gas, mounting }
+    Air::Around { gas, mounting, gap_m: None }
 }
 
 fn baffle() -> Air {

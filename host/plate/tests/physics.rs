@@ -23,6 +23,7 @@ mod finger;
 mod lights_truth;
 mod merit;
 mod ode;
+mod on_a_table;
 mod paper;
 mod physics_page;
 mod plate_files;

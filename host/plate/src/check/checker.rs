@@ -5,7 +5,9 @@ use super::error::{CheckError, on_plate};
 use super::grading::{Finding, Site};
 use super::interval::Interval;
 use super::levels::{AT_ONCE, SiteLevels};
-use super::lights::{actuator, air, drive, felt_edge, sensitivity, shape, sound, thickness, touch, wave};
+use super::lights::{
+    actuator, air, drift, drive, felt_edge, frame, sensitivity, shape, sound, thickness, touch, wave,
+};
 use super::prepared::{Prepared, SPAN_PLACES};
 use super::report::Report;
 use crate::definition::plate::Plate;
@@ -182,5 +184,8 @@ fn findings(site: &Site<'_>) -> Vec<Finding> {
         sound::beat_light(site),
         air::air_light(site),
         felt_edge::felt_edge_light(site),
+        frame::frame_light(site),
+        drift::drift_light(site),
+        drift::press_light(site),
     ]
 }
