@@ -13,7 +13,8 @@ use crate::quantity::show_length;
 const NEAR_M: f64 = 0.01;
 
 /// Its value is the possible distance of the peak from the place in the file, mm. Without `[air]` it is the shift by
-/// air on both faces in a baffle, the largest of all mountings. With it, it is the uncertainty of the coefficient.
+/// air on both faces in a baffle, the largest of all mountings. With it, it is the uncertainty of the coefficient, or on a light
+/// membrane in a baffle how far the law of the air is from the field in two dimensions, if that is more.
 ///
 /// It is never red: a wave speed that was measured in the air holds the air already, but for its course over the frequency.
 pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
@@ -39,6 +40,20 @@ pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
             if spec.calibration.is_some() {
                 let sentence = format!("{moves}: its coefficient was measured.");
                 return light(None, Colour::Green, sentence);
+            }
+            let law = site.prepared.air_law.as_ref();
+            let off = law.map_or(0.0, |law| 1e3 * law.off_m(site.plate, site.boundary_m));
+            if off.abs() > open {
+                let (off_mm, way) =
+                    (with_decimals(off.abs(), 1), if off > 0.0 { "farther" } else { "nearer" });
+                let (colour, sentence) = graded(
+                    off,
+                    format!("{moves}; in two dimensions it is {off_mm} mm {way}."),
+                    format!(
+                        "{moves}, but in two dimensions the peak is {off_mm} mm {way}: compute each boundary in two dimensions, or take a heavier film."
+                    ),
+                );
+                return light(Some(off.abs()), colour, sentence);
             }
             let open_mm = with_decimals(open, 1);
             let (colour, sentence) = graded(
