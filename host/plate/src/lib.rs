@@ -75,7 +75,7 @@ pub mod truth;
 
 pub use definition::{
     Actuator, Air, AirMounting, Bending, Calibration, Companion, Consequence, DriveEnd, EndSlope, Faces,
-    Film, Gas, Harmonics, Impedance, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError,
+    Film, Frame, Gas, Harmonics, Impedance, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError,
     PlateFile, PlateFileError, PlateSpec, Preset, Resonator, ResponseCurve, SampleRateError, Source, Taper,
     Thickness, Travel, TurningWidth, fields, limits, preset, presets, sample_rates,
 };

@@ -4,14 +4,15 @@ use crate::time_line::assert_answers_a_tone;
 use slipline_plate::check::{Checker, Colour, Conditions};
 use slipline_plate::design::{Edge, Material, Request, Wave, design};
 use slipline_plate::{
-    Air, AirMounting, DriveTable, Equation, Faces, Gas, LineError, Model, Plate, PlateSpec, Progress, Sheet,
-    SheetError, SheetGrid, TimeDomainLine, plane, preset, presets, reflection, respond, respond_range,
+    Air, AirMounting, DriveEnd, DriveTable, Equation, Faces, Gas, LineError, Model, Plate, PlateSpec,
+    Progress, Sheet, SheetError, SheetGrid, Taper, TimeDomainLine, plane, preset, presets, reflection,
+    respond, respond_range,
 };
 use std::f64::consts::TAU;
 
 fn around(mounting: AirMounting) -> Air {
     let gas = Gas::Given { density_kg_per_m3: 1.204, sound_speed_m_per_s: 343.2 };
-    Air::Around { gas, mounting }
+    Air::Around { gas, mounting, gap_m: None }
 }
 
 fn baffle() -> Air {
@@ -318,12 +319,15 @@ fn the_light_of_a_membrane_lighter_than_its_air_says_what_two_dimensions_say() {
         println!("{x} at {hz} Hz: {shift_m:?} {:?} {:?}", by_law.peak, in_two.peak);
         1e3 * shift_m.unwrap_or(0.0)
     };
-    for (density, speed) in [(0.05, 25.0), (0.12, 18.0), (0.03, 30.0)] {
+    // In the middle of the span the air's law misses more than a tenth of the shift.
+    for (density, speed, x) in
+        [(0.05, 25.0, 0.08), (0.12, 18.0, 0.08), (0.03, 30.0, 0.08), (0.05, 25.0, 0.18), (0.03, 30.0, 0.18)]
+    {
         let plate = lighter(density, speed);
         let checker = Checker::new(&plate, Conditions::default()).expect("checks");
-        let report = checker.at(0.08).expect("on it");
+        let report = checker.at(x).expect("on it");
         let found = report.light("air").expect("a light");
-        let off = off_mm(&plate, 0.08).abs();
+        let off = off_mm(&plate, x).abs();
         println!("{density} {speed}: {off} {:?} {}", found.value, found.sentence);
         assert!(
             found.value.expect("a number") >= off - 0.1 && found.colour == Colour::Amber,
@@ -334,6 +338,69 @@ fn the_light_of_a_membrane_lighter_than_its_air_says_what_two_dimensions_say() {
     let heavier = Checker::new(&lighter(0.278, 12.0), Conditions::default()).expect("checks").at(0.08);
     let heavier = heavier.expect("on it").light("air").expect("a light").clone();
     assert!(heavier.sentence.contains("mm of it are open"), "{}", heavier.sentence);
+}
+
+/// Ten very light membranes in a baffle, of other outlines than the presets': at the nearest boundary and in the middle of the span the
+/// light states at least what the peak in two dimensions is off, less a tenth of a millimetre.
+#[test]
+#[ignore = "ten plates in two dimensions: .ci/run statistics"]
+fn the_light_of_ten_light_membranes_is_never_below_what_two_dimensions_say() {
+    let still = preset("latex-membrane").expect("a preset").in_vacuum();
+    let mut compared = 0;
+    // Mass per area, wave speed, half-width, rate (0: straight, to a quarter), length, nearest boundary over it.
+    for (number, [density, speed, half_width_m, rate_per_m, length_m, near]) in [
+        [0.05, 25.0, 0.05, 4.62, 0.32, 0.25],
+        [0.05, 25.0, 0.08, 4.0, 0.4, 0.2],
+        [0.05, 25.0, 0.03, 6.0, 0.25, 0.2],
+        [0.05, 25.0, 0.05, 0.0, 0.32, 0.3],
+        [0.05, 25.0, 0.06, 3.0, 0.45, 0.15],
+        [0.12, 18.0, 0.05, 4.62, 0.32, 0.25],
+        [0.12, 18.0, 0.08, 5.0, 0.35, 0.2],
+        [0.12, 18.0, 0.04, 0.0, 0.3, 0.25],
+        [0.03, 30.0, 0.05, 4.62, 0.32, 0.25],
+        [0.08, 20.0, 0.07, 5.0, 0.3, 0.15],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let mut spec = with_air(&still, baffle()).spec().clone();
+        let tension = Some(density * speed * speed);
+        spec.model = Model::Membrane { wave_speed_m_per_s: speed, tension_n_per_m: tension, film: None };
+        spec.length_m = length_m;
+        spec.taper = if rate_per_m > 0.0 {
+            Taper::Exponential { half_width_m, rate_per_m }
+        } else {
+            Taper::Linear { half_width_m, end_half_width_m: 0.25 * half_width_m }
+        };
+        (spec.span_start_m, spec.span_end_m) = (near * length_m, 0.85 * length_m);
+        spec.drive_end = DriveEnd::Displacement;
+        let at_frequency_hz =
+            Plate::new(spec.clone()).expect("valid").frequency_for_boundary_hz(0.5 * length_m);
+        spec.drive_end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz };
+        let plate = Plate::new(spec).expect("valid");
+        let checker = Checker::new(&plate, Conditions::default()).expect("checks");
+        for x in [near * length_m, 0.5 * (near + 0.85) * length_m] {
+            let stated = checker.at(x).expect("on it").light("air").expect("a light").clone();
+            let hz = plate.frequency_for_boundary_hz(x);
+            let by_law = respond(&plate, hz, 801, Equation::Corrected).expect("enters");
+            let in_two = plane::respond(&plate, hz, 801, &plane::Setup::of(&plate)).expect("solves");
+            let differs = plane::Comparison::of(&by_law, &in_two);
+            let Some(off_m) = differs.peak_shift_m else {
+                println!("{number} {:.0} mm at {hz:.0} Hz: no peak", 1e3 * x);
+                continue;
+            };
+            let off_mm = 1e3 * off_m;
+            compared += 1;
+            println!(
+                "{number} {density} kg/m2 {speed} m/s, {:.0} mm at {hz:.0} Hz: 2-D {off_mm:+.1} mm, stated {:.1} mm {:?}",
+                1e3 * x,
+                stated.value.unwrap_or(f64::NAN),
+                stated.colour
+            );
+            assert!(stated.value.expect("a number") >= off_mm.abs() - 0.1, "{stated:?}");
+        }
+    }
+    assert!(compared >= 14, "{compared}");
 }
 
 #[test]

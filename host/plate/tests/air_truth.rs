@@ -9,7 +9,7 @@ const BAFFLE: AirMounting = AirMounting::Baffle { faces: Faces::Two };
 /// The preset `name` in a room with this mounting.
 fn in_air(name: &str, mounting: AirMounting) -> Plate {
     let mut spec = preset(name).expect("a preset").spec().clone();
-    spec.air = Some(Air::Around { gas: Gas::ROOM, mounting });
+    spec.air = Some(Air::Around { gas: Gas::ROOM, mounting, gap_m: None });
     Plate::new(spec).expect("a plate")
 }
 

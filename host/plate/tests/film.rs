@@ -278,7 +278,7 @@ fn a_film_in_air_peaks_where_two_dimensions_with_its_stiffness_and_its_air_have_
         (AirMounting::BareFrame, (2.5, 1.0)),
         (AirMounting::Coefficient { alpha: 1.9, faces: Faces::Two }, (0.5, 0.5)),
     ] {
-        let air = Some(Air::Around { gas, mounting });
+        let air = Some(Air::Around { gas, mounting, gap_m: None });
         let plate = Plate::new(PlateSpec { air, ..stretched(polyester(50e-6), 1390.0) }).expect("a plate");
         let (mm, db) = misses(&plate, 0.18);
         println!("{mounting:?}: {mm:+.2} mm {db:+.2} dB");

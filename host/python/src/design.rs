@@ -91,7 +91,8 @@ impl AskedWave<'_> {
         optional("wave_speed_m_per_s", wave_speed_m_per_s, limits::WAVE_SPEED)?;
         optional("tension_n_per_m", tension_n_per_m, Wave::tensions(material, thickness_m))?;
         let thick_plate = !thin;
-        let baffle = Air::Around { gas: Gas::ROOM, mounting: AirMounting::Baffle { faces: Faces::Two } };
+        let baffle =
+            Air::Around { gas: Gas::ROOM, mounting: AirMounting::Baffle { faces: Faces::Two }, gap_m: None };
         let air =
             one_of("air", air, &[("bare-frame", Air::ROOM), ("baffle", baffle), ("vacuum", Air::Vacuum)])?;
         let wave = match (edge, wave_speed_m_per_s, tension_n_per_m, shear) {

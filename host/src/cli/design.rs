@@ -13,7 +13,7 @@ use slipline_plate::check::Colour;
 use slipline_plate::design::{Design, Edge, Material, Request, Wave, end_margin_range, start_margin_range};
 use slipline_plate::limits;
 use slipline_plate::quantity::number_format::{significant, with_decimals};
-use slipline_plate::quantity::{Measure, Range, show_frequency, show_si};
+use slipline_plate::quantity::{Measure, Range, show_frequency, show_length, show_si};
 use slipline_plate::{Air, AirMounting, Faces, Gas};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -93,9 +93,11 @@ impl AirArgument {
     const fn air(self) -> Air {
         match self {
             Self::BareFrame => Air::ROOM,
-            Self::Baffle => {
-                Air::Around { gas: Gas::ROOM, mounting: AirMounting::Baffle { faces: Faces::Two } }
-            }
+            Self::Baffle => Air::Around {
+                gas: Gas::ROOM,
+                mounting: AirMounting::Baffle { faces: Faces::Two },
+                gap_m: None,
+            },
             Self::Vacuum => Air::Vacuum,
         }
     }
@@ -163,16 +165,19 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
         for (name, text) in summary(&designed) {
             writeln!(out, "# {name:<21} {text}")?;
         }
-        if let Some(caution) = designed.caution() {
-            writeln!(out, "# caution: {caution}")?;
-        }
         match &lights {
             Ok(report) => {
                 for light in report.lights.iter().filter(|light| light.colour > Colour::Green) {
                     writeln!(out, "# {}: {}", light.colour.name(), light.sentence)?;
                 }
             }
-            Err(reason) => writeln!(out, "# not checked: {reason}")?,
+            // The lights say what the caution does.
+            Err(reason) => {
+                if let Some(caution) = designed.caution() {
+                    writeln!(out, "# caution: {caution}")?;
+                }
+                writeln!(out, "# not checked: {reason}")?;
+            }
         }
         for file in &files {
             writeln!(out, "# written: {}", file.display())?;
@@ -243,6 +248,23 @@ fn summary(designed: &Design) -> Vec<(&'static str, String)> {
         lines.push(("tension", format!("{} of width", show_si(tension, "N/m"))));
     }
     lines.push(("mounting", designed.mounting.sentence().to_owned()));
+    lines.extend(designed.frame.map(|frame| {
+        let over = frame.over_threshold_db.map_or_else(String::new, |db| {
+            format!(
+                ", {} dB {} what a finger feels",
+                with_decimals(db.abs(), 0),
+                if db < 0.0 { "below" } else { "over" }
+            )
+        });
+        let text = format!(
+            "two sheets of {} of {}, {}: first bending at {}{over}",
+            show_length(frame.sheet_m),
+            frame.material,
+            show_si(1e3 * frame.mass_kg, "g"),
+            show_frequency(frame.first_bending_hz)
+        );
+        ("frame", text)
+    }));
     lines
 }
 

@@ -59,7 +59,7 @@ fn what_cannot_be_done_and_red_lights_are_lines_of_json_too() {
     assert!(found["error"].as_str().unwrap().contains("no-such-port") && found["field"].is_null(), "{found}");
     let found = error(&["frobnicate"], 2);
     assert!(found["error"].as_str().unwrap().contains("neither a file nor a command"), "{found}");
-    assert_eq!(error(&["check", "--plate", "al-sh"], 3)["error"], "3 of 19 lights are red");
+    assert_eq!(error(&["check", "--plate", "al-sh"], 3)["error"], "3 of 22 lights are red");
     // The sentence is that without --json.
     let output = slipline(&["simulate", "--plate", "membrane", "--turning-point", "900mm"]);
     let found = error(&["simulate", "--plate", "membrane", "--turning-point", "900mm"], 2);

@@ -5,11 +5,11 @@ use super::{failure, json, said, says, slipline, words};
 #[test]
 fn red_lights_end_a_check_with_3_and_are_counted() {
     for (arguments, code, last) in [
-        (&["check", "--plate", "al-sh"][..], 3, "slipline: 3 of 19 lights are red\n"),
+        (&["check", "--plate", "al-sh"][..], 3, "slipline: 3 of 22 lights are red\n"),
         (
             &["check", "--plate", "al-sh", "--json"],
             3,
-            "{\"error\":\"3 of 19 lights are red\",\"exit_code\":3,\"field\":null,\"range\":null,\"schema\":1,\"value\":null}\n",
+            "{\"error\":\"3 of 22 lights are red\",\"exit_code\":3,\"field\":null,\"range\":null,\"schema\":1,\"value\":null}\n",
         ),
         (&["check", "--plate", "membrane"], 0, ""),
         (&["check", "--plate", "membrane", "--turning-point", "120mm"], 0, ""),

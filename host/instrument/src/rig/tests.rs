@@ -5,8 +5,8 @@ use slipline_plate::calibrate::{
     DriveCheck, MeasuredPoint, Measurement, SensorBody, SensorKind, check_drive, drive_check_hz,
 };
 use slipline_plate::{
-    Complex64, DriveEnd, Equation, Impedance, PlateSpec, Source, TurningWidth, preset, presets, respond,
-    respond_touched,
+    Air, AirMounting, Complex64, DriveEnd, Equation, Faces, Gas, Impedance, PlateSpec, Source, TurningWidth,
+    preset, presets, respond, respond_touched,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -292,6 +292,32 @@ fn a_plate_that_is_soft_below_its_cut_off_has_a_piezo_that_outweighs_its_motion(
         let secrets = [0, 3].map(|seed| secret(&plate, seed).expect("a plate"));
         for truth in secrets.into_iter().chain([plate]) {
             assert_eq!(checked(&truth), Ok(DriveCheck::On));
+        }
+    }
+}
+
+/// The pressure of a baffle at a distance is singular where a tone turns at the plate's end, above the band that is measured.
+#[test]
+fn a_membrane_in_a_baffle_has_a_rig_with_its_sensor_at_every_place() {
+    let in_baffle = |name: &str, faces: Faces| {
+        let air = Some(Air::Around { gas: Gas::ROOM, mounting: AirMounting::Baffle { faces }, gap_m: None });
+        Plate::new(PlateSpec { air, ..preset(name).expect("a preset").spec().clone() }).expect("valid")
+    };
+    for (name, faces, seed) in [
+        ("latex-membrane", Faces::Two, None),
+        ("latex-membrane", Faces::Two, Some(3)),
+        ("latex-membrane", Faces::One, Some(2)),
+        ("membrane-heavy", Faces::Two, Some(3)),
+    ] {
+        let plate = in_baffle(name, faces);
+        let truth = seed.map_or_else(|| Ok(plate.clone()), |seed| secret(&plate, seed)).expect("a plate");
+        let options = RigOptions { place_m: 0.094, ..RigOptions::default() };
+        let rig = PreparedRig::new(&truth, &options, RATE_HZ);
+        let rig = rig.unwrap_or_else(|error| panic!("{name} {faces:?} {seed:?}: {error}"));
+        for place_m in [0.05, 0.198] {
+            rig.hand()
+                .put_sensor(place_m)
+                .unwrap_or_else(|error| panic!("{name} {faces:?} {seed:?} {place_m}: {error}"));
         }
     }
 }

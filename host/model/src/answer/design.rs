@@ -4,7 +4,7 @@ use super::check::{self, CheckAnswer};
 use serde::Serialize;
 use slipline_plate::Progress;
 use slipline_plate::check::{CheckError, Conditions, Report};
-use slipline_plate::design::{self, BandEnd, Damper, Design, DesignError, Request};
+use slipline_plate::design::{self, BandEnd, ChosenFrame, Damper, Design, DesignError, Request};
 
 /// Designs a plate, and checks it over its span.
 ///
@@ -42,6 +42,7 @@ pub struct DesignAnswer<'a> {
     pub damper: Damper,
     pub tension_n_per_m: Option<f64>,
     pub mounting: &'a str,
+    pub frame: Option<ChosenFrame>,
     pub caution: Option<String>,
     pub check: Option<CheckAnswer<'a>>,
     pub not_checked: Option<String>,
@@ -68,6 +69,7 @@ impl<'a> DesignAnswer<'a> {
             damper: designed.damper,
             tension_n_per_m: designed.tension_n_per_m,
             mounting: designed.mounting.sentence(),
+            frame: designed.frame,
             caution: designed.caution(),
             check: lights.as_ref().ok().map(CheckAnswer::of),
             not_checked: lights.as_ref().err().map(ToString::to_string),

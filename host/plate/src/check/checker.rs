@@ -6,7 +6,8 @@ use super::grading::{Finding, Site};
 use super::interval::Interval;
 use super::levels::{AT_ONCE, SiteLevels};
 use super::lights::{
-    actuator, air, distortion, drive, felt_edge, sensitivity, shape, sound, thickness, touch, wave,
+    actuator, air, distortion, drift, drive, felt_edge, frame, sensitivity, shape, sound, thickness, touch,
+    wave,
 };
 use super::prepared::{Prepared, SPAN_PLACES};
 use super::report::Report;
@@ -184,6 +185,9 @@ fn findings(site: &Site<'_>) -> Vec<Finding> {
         sound::beat_light(site),
         air::air_light(site),
         felt_edge::felt_edge_light(site),
+        frame::frame_light(site),
+        drift::drift_light(site),
+        drift::press_light(site),
     ];
     findings.extend(distortion::distortion_light(site));
     findings

@@ -11,12 +11,15 @@
 //!   lights/sensitivity.rs  sensitivity
 //!   lights/actuator.rs  actuator band, excursion, DAC resolution
 //!   lights/sound.rs  sound level, beat
-//!   lights/air.rs    air
+//!   lights/air.rs    air, with air_law.rs
 //!   lights/felt_edge.rs  felt edge
 //!   lights/distortion.rs  distortion, where the file states harmonics
+//!   lights/drift.rs  drift, press
+//!   lights/frame.rs  frame
 //! ```
 //! Every limit is a named constant in [`thresholds`], with its reason.
 
+mod air_law;
 mod checker;
 mod conditions;
 mod error;

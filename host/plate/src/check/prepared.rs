@@ -1,5 +1,6 @@
 //! A plate with all inputs of the lights that do not depend on the boundary, computed once.
 
+use super::air_law::AirLaw;
 use super::conditions::Conditions;
 use super::error::CheckError;
 use super::levels::Variants;
@@ -22,6 +23,8 @@ pub(super) struct Prepared {
     pub(super) lowest_gain: f64,
     /// Factor on that level by the actuator's travel limit.
     pub(super) travel_scale: f64,
+    /// The error of the law of the air, of a light membrane in a baffle.
+    pub(super) air_law: Option<AirLaw>,
 }
 
 impl Prepared {
@@ -51,6 +54,7 @@ impl Prepared {
             variants,
             lowest_gain,
             travel_scale: travel::scale(lowest_gain * largest_share),
+            air_law: AirLaw::of(plate),
         })
     }
 

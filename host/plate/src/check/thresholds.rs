@@ -134,5 +134,20 @@ pub(crate) const ULTRASOUND_DB: Limits = Limits { green: 100.0, amber: 110.0 };
 /// Upper end of the third-octave band of 20 kHz, Hz.
 pub(crate) const NEAR_ULTRASOUND_END_HZ: f64 = 22_400.0;
 
+/// Motion of the frame beyond the boundary over what a usual finger just feels, dB: half of the spread of persons below it nobody
+/// feels it, and 6 dB over it everybody does.
+pub const FRAME_DB: Limits = Limits { green: -0.5 * crate::feeling::PERSONS_DB, amber: 6.0 };
+
+/// The mass of a table is stated in multiples of this, kg: the frame's motion is known to a factor of two.
+pub(crate) const FRAME_TABLE_STEP_KG: f64 = 1.0;
+
+/// Shift of the boundary by one kelvin, mm: ten kelvin between winter and summer, or beside a lamp, are half of a fingertip at 0.5
+/// and five fingertips at 5.
+pub const DRIFT_MM_PER_K: Limits = Limits { green: 0.5, amber: 5.0 };
+
+/// How far a finger sinks in that presses with 0.5 N, mm: up to this green, else amber. At 100 N/m it is 1 mm, and stretches
+/// latex by less than a thousandth.
+pub(crate) const PRESS_MM: f64 = 1.0;
+
 /// Distance of the listener whose sound level is bounded, metres.
 pub const LISTENER_M: f64 = 0.5;

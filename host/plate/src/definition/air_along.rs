@@ -7,7 +7,7 @@
 //! ```text
 //! alpha(u) = alpha_w + (alpha - alpha_w) S,   S = (1 + b) u^2/(1 + b u^2)
 //! K(x)^2   = K_w^2 + (K^2 - K_w^2) S          the wave of alpha_w where the plate is wide
-//! Omega    = 1 + m/(1 + m) (1/2 - d ln alpha/d ln k^2)   m = mu/sigma there
+//! Omega    = 1 + m/(1 + m) (1/2 - d ln alpha/d ln k^2)   m = mu/sigma there; above a table -(d ln mu/d ln K)/2 for 1/2
 //! ```
 //! The power of a wave of amplitude f is T W k Omega omega |f|^2/2: that in the air beside that in the plate. Loss of the
 //! stiffness takes eta K^2/Omega from k^2. What drives the plate meets the plate alone; the air takes its share of the power within
@@ -32,6 +32,8 @@ pub(crate) struct AirAlong {
     pub(crate) growth: f64,
     /// d ln K^2 by d ln of the stiffness in a vacuum: 1 of an ideal membrane, less of a film.
     pub(crate) stiffness: f64,
+    /// -(d ln mu/d ln K)/2: a half in the open, more above a table.
+    pub(crate) half_fall: f64,
 }
 
 /// The wave at one place.
@@ -54,6 +56,7 @@ impl AirAlong {
             share: 0.0,
             growth: 0.0,
             stiffness: 1.0,
+            half_fall: 0.5,
         }
     }
 
@@ -67,7 +70,7 @@ impl AirAlong {
         let alpha = 1.0 + self.growth * settled;
         let mass = self.share * alpha;
         let bend = 2.0 * self.growth * settled * rest / alpha;
-        let weight = 1.0 + self.stiffness * mass / (1.0 + mass) * (0.5 + bend);
+        let weight = 1.0 + self.stiffness * mass / (1.0 + mass) * (self.half_fall + bend);
         InAir {
             wavenumber_squared: self.wide + (self.turning - self.wide) * settled,
             weight,
@@ -103,7 +106,7 @@ mod tests {
 
     fn in_air(name: &str, alpha: f64) -> Plate {
         let mounting = AirMounting::Coefficient { alpha, faces: Faces::Two };
-        let air = Some(Air::Around { gas: Gas::ROOM, mounting });
+        let air = Some(Air::Around { gas: Gas::ROOM, mounting, gap_m: None });
         Plate::new(PlateSpec { air, ..preset(name).expect("a preset").spec().clone() }).expect("valid")
     }
 

@@ -93,7 +93,8 @@ impl FreeWave<'_> {
         let wide = wide_wave.wavenumber_squared(omega);
         let turning = self.wavenumber_squared(omega);
         let (share, stiffness) = (wide_wave.share(wide).0, 0.5 / self.slope(turning));
-        Some(AirAlong { wide, turning, share, growth, stiffness })
+        let half_fall = load.half_fall(wide.sqrt());
+        Some(AirAlong { wide, turning, share, growth, stiffness, half_fall })
     }
 
     /// mu over sigma at K^2, and d ln mu/d ln K.
@@ -186,7 +187,7 @@ mod tests {
 
     fn air(alpha: f64) -> Air {
         let gas = Gas::Given { density_kg_per_m3: 1.2, sound_speed_m_per_s: 343.0 };
-        Air::Around { gas, mounting: AirMounting::Coefficient { alpha, faces: Faces::Two } }
+        Air::Around { gas, mounting: AirMounting::Coefficient { alpha, faces: Faces::Two }, gap_m: None }
     }
 
     fn models() -> Vec<Model> {

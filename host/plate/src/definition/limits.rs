@@ -20,6 +20,9 @@ pub const HALF_WIDTH: Range = Range::new(1e-5, 10.0, "m");
 pub const EDGE_GIVE: Range = Range::new(-0.002, 0.005, "m");
 /// How well that is known.
 pub(crate) const EDGE_GIVE_TOLERANCE: Range = Range::new(0.0, 0.005, "m");
+/// Tension across over tension along a membrane, and half of its interval.
+pub(crate) const TENSION_RATIO: Range = Range::new(0.5, 2.0, "");
+pub(crate) const TENSION_RATIO_TOLERANCE: Range = Range::new(0.0, 0.5, "");
 /// Rate of an exponential taper.
 pub(crate) const TAPER_RATE: Range = Range::new(0.01, 1000.0, "1/m");
 /// Position of a point of a sampled taper.
@@ -88,8 +91,12 @@ pub(crate) const AIR_TEMPERATURE: Range = Range::new(-60.0, 100.0, "°C");
 pub(crate) const AIR_HEIGHT: Range = Range::new(-500.0, 9000.0, "m");
 /// Coefficient alpha of the air's mass on each face.
 pub(crate) const AIR_COEFFICIENT: Range = Range::new(0.0, 10.0, "");
+/// Distance of a table from the lower face: nearer, the air in the gap sticks to both walls (its layer is 0.2 mm thick at 100 Hz).
+pub(crate) const AIR_GAP: Range = Range::new(0.003, 1.0, "m");
 /// Share of the air's pressure at a distance.
 pub(crate) const DISTANT_AIR: Range = Range::new(-1.0, 2.0, "");
+/// Thickness of both sheets of a frame together.
+pub(crate) const FRAME_THICKNESS: Range = Range::new(0.001, 0.2, "m");
 /// Width of the rim of a design's frame.
 pub const RIM: Range = Range::new(0.01, 0.5, "m");
 

@@ -10,6 +10,7 @@ use crate::definition::calibration::Calibration;
 use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Consequence, Origin, PlateError};
 use crate::definition::film::{self, FilmEdge};
+use crate::definition::frame::Frame;
 use crate::definition::harmonics::Harmonics;
 use crate::definition::model::Model;
 use crate::definition::strip_table::StripTable;
@@ -38,6 +39,11 @@ pub struct PlateSpec {
     pub edge_give_m: Option<f64>,
     /// Half of the 95 % interval of `edge_give_m`, metres (0 to 0.005). `None` if it is unknown.
     pub edge_give_tolerance_m: Option<f64>,
+    /// Tension across over tension along a membrane, Tz/Tx (0.5 to 2); `None` as 1. Stretched by its root the plate is that of one
+    /// tension, so every law takes the half-width (W + delta)/sqrt(Tz/Tx).
+    pub tension_ratio: Option<f64>,
+    /// Half of the 95 % interval of that ratio (0 to 0.5). `None` as 0: a calibration holds it.
+    pub tension_ratio_tolerance: Option<f64>,
     /// Which width decides where a wave turns.
     pub turning_width: TurningWidth,
     /// Length L from the driven end to the narrow end, metres (0.005 to 10).
@@ -48,6 +54,8 @@ pub struct PlateSpec {
     pub thickness: Option<Thickness>,
     /// The air that swings with the plate; `None` as in a vacuum, or if the plate's own numbers hold it.
     pub air: Option<Air>,
+    /// The frame that holds the plate; `None` if it is not stated.
+    pub frame: Option<Frame>,
     /// Loss factor of the material's modulus or of the tension (0 to 0.5); see [`Plate::wave_loss`].
     pub loss_factor: f64,
     /// Relative uncertainty of the wave speed (0 to 0.05). The drive table is levelled for all wave speeds within
@@ -149,6 +157,9 @@ impl Plate {
         spec.model.validate()?;
         if let Some(air) = &spec.air {
             air.validate(&spec.model)?;
+        }
+        if let Some(frame) = &spec.frame {
+            frame.validate()?;
         }
         if let Some(thickness) = &spec.thickness {
             thickness.validate(&spec.model, spec.air.as_ref(), &spec.drive_end, spec.length_m)?;
@@ -432,7 +443,9 @@ fn edges(outline: &WidthLaw, spec: &PlateSpec) -> Result<WidthLaw, PlateError> {
     if let Some(tolerance_m) = spec.edge_give_tolerance_m {
         limits::EDGE_GIVE_TOLERANCE.check("edge_give_tolerance_m", tolerance_m)?;
     }
-    let Some(give_m) = spec.edge_give_m else { return Ok(outline.clone()) };
+    let share = tension_share(spec)?;
+    let scaled = |edges: WidthLaw| share.map_or(edges.clone(), |share| edges.scaled(share));
+    let Some(give_m) = spec.edge_give_m else { return Ok(scaled(outline.clone())) };
     limits::EDGE_GIVE.check("edge_give_m", give_m)?;
     let end_m = outline.at(spec.length_m).value.exp();
     let left = Range { low: limits::HALF_WIDTH.low - end_m, ..limits::EDGE_GIVE };
@@ -440,7 +453,23 @@ fn edges(outline: &WidthLaw, spec: &PlateSpec) -> Result<WidthLaw, PlateError> {
         return Err(left.refuse("edge_give_m", give_m, Some(Origin::EndHalfWidth(end_m + give_m))));
     }
     let clamped = matches!(spec.model, Model::BendingClamped(_));
-    Ok(outline.giving(spec.length_m, give_m, clamped))
+    Ok(scaled(outline.giving(spec.length_m, give_m, clamped)))
+}
+
+/// The half-width of one tension over that of two, 1/sqrt(Tz/Tx); `None` of one tension.
+fn tension_share(spec: &PlateSpec) -> Result<Option<f64>, PlateError> {
+    let stated = [
+        ("tension_ratio", spec.tension_ratio, limits::TENSION_RATIO),
+        ("tension_ratio_tolerance", spec.tension_ratio_tolerance, limits::TENSION_RATIO_TOLERANCE),
+    ];
+    for (field, value, range) in stated {
+        let Some(value) = value else { continue };
+        range.check(field, value)?;
+        if !matches!(spec.model, Model::Membrane { .. }) {
+            return Err(PlateError::unexpected(field, "only a membrane has a tension"));
+        }
+    }
+    Ok(spec.tension_ratio.map(|ratio| ratio.sqrt().recip()))
 }
 
 /// The half-width over which a wave swings between these edges.

@@ -169,6 +169,22 @@ impl WidthLaw {
         Self::Curve { position, value, slope }
     }
 
+    /// This half-width times `factor`.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        match self {
+            Self::Exponential { log_width, rate_per_m } => {
+                Self::Exponential { log_width: log_width + factor.ln(), rate_per_m }
+            }
+            Self::Linear { half_width_m, fall } => {
+                Self::Linear { half_width_m: half_width_m * factor, fall: fall * factor }
+            }
+            Self::Curve { position, mut value, slope } => {
+                value.iter_mut().for_each(|value| *value += factor.ln());
+                Self::Curve { position, value, slope }
+            }
+        }
+    }
+
     /// The half-width between edges that give by `give_m`: W + delta. Straight edges stay straight.
     ///
     /// Of `clamped` edges delta is how far they turn: the half-width is that of [`of_turning_edges`], W + delta to the first order. A

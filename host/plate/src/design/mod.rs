@@ -13,6 +13,7 @@ mod caution;
 mod damper;
 mod drawing;
 mod dxf;
+mod frame;
 mod material;
 mod mounting;
 mod outline;
@@ -39,6 +40,7 @@ use thiserror::Error;
 
 pub use damper::Damper;
 pub use drawing::{Drawing, Layer, Shape};
+pub use frame::ChosenFrame;
 pub use material::{Material, material_names};
 pub use mounting::Mounting;
 pub use request::{Edge, Request, Wave};
@@ -85,6 +87,8 @@ pub struct Design {
     /// Tension of a membrane, N per metre of width; `None` for a plate that needs none.
     pub tension_n_per_m: Option<f64>,
     rim_m: f64,
+    /// The frame, which the plate file states, too.
+    pub frame: Option<ChosenFrame>,
     /// How the frame holds the sheet.
     pub mounting: Mounting,
 }
@@ -136,6 +140,8 @@ pub fn design(request: &Request, progress: &mut Progress<'_>) -> Result<Design, 
         loss_tolerance: None,
         edge_give_m: None,
         edge_give_tolerance_m: None,
+        tension_ratio: None,
+        tension_ratio_tolerance: None,
         drive_end: DriveEnd::Displacement,
         actuator: None,
         harmonics: None,
@@ -143,12 +149,17 @@ pub fn design(request: &Request, progress: &mut Progress<'_>) -> Result<Design, 
         span_start_m: taper.near_m,
         span_end_m: taper.far_m,
         air: request.air,
+        frame: None,
         calibration: None,
     };
     let undamped = Plate::new(spec.clone())?;
     progress.at(0.2)?;
     let (drive_end, damper) = damper::matched(&undamped, request.band_hz);
     spec.drive_end = drive_end;
+    let driven = Plate::new(spec.clone())?;
+    progress.at(0.4)?;
+    let (frame, chosen) = frame::choose(&driven, request.rim_m).unzip();
+    spec.frame = frame;
     let plate = Plate::new(spec)?;
     progress.at(0.5)?;
     let surface_density = request.material.density_kg_per_m3 * request.thickness_m;
@@ -174,6 +185,7 @@ pub fn design(request: &Request, progress: &mut Progress<'_>) -> Result<Design, 
             Wave::Bending { .. } | Wave::ShearHorizontal => None,
         },
         rim_m: request.rim_m,
+        frame: chosen,
         mounting: match request.wave {
             Wave::Bending { edge: Edge::Supported, .. } => Mounting::Lip,
             Wave::Bending { edge: Edge::Clamped, .. } | Wave::ShearHorizontal => Mounting::Gripped,

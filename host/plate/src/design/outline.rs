@@ -8,6 +8,7 @@
 use super::drawing::{Drawing, Shape, wrapped};
 use super::mounting::Mounting;
 use crate::definition::drive::DriveEnd;
+use crate::definition::frame::DRIVE_GAP_M;
 use crate::definition::plate::Plate;
 use crate::definition::source::{LeadIn, Source};
 use crate::quantity::number_format::rounded;
@@ -22,7 +23,7 @@ const SAG_MM: f64 = 0.005;
 /// Largest number of points of one edge of the taper.
 const EDGE_POINTS_MAX: usize = 2000;
 /// Free length of the window before the driven end, mm.
-const DRIVE_GAP_MM: f64 = 15.0;
+const DRIVE_GAP_MM: f64 = 1e3 * DRIVE_GAP_M;
 /// Diameter of the bolt holes, mm (M4 with clearance).
 const BOLT_MM: f64 = 4.3;
 /// Longest distance between bolt holes along an edge, mm.

@@ -109,12 +109,14 @@ impl FarAir {
     /// On `points` from the driven end to the plate's end. `None` where the plate is no membrane in air, or where the share is 0.
     pub(crate) fn of(plate: &Plate, points: usize) -> Option<Self> {
         let spec = plate.spec();
-        let (Some(Air::Around { gas, mounting }), Model::Membrane { wave_speed_m_per_s: speed, .. }) =
-            (&spec.air, &spec.model)
+        let (
+            Some(air @ Air::Around { gas, mounting, .. }),
+            Model::Membrane { wave_speed_m_per_s: speed, .. },
+        ) = (&spec.air, &spec.model)
         else {
             return None;
         };
-        let share = mounting.distant();
+        let share = air.distant();
         let surface_density = spec.model.surface_density("[air]").ok().filter(|_| share != 0.0)?;
         let density = mounting.coefficient().1.count() * gas.density_kg_per_m3();
         let step_m = plate.length_m() / (points - 1) as f64;

@@ -58,9 +58,10 @@ enum Operator {
 }
 
 impl Fluid {
-    /// The air of a plate; `None` where it has none, or where its plate file states a coefficient and not how the plate stands.
+    /// The air of a plate; `None` where it has none, where its plate file states a coefficient and not how the plate stands, and
+    /// above a table, whose images these panels do not have: there the sheet carries the mass of the law.
     pub(super) fn of(air: Option<Air>) -> Option<Self> {
-        let Some(Air::Around { gas, mounting }) = air else { return None };
+        let Some(Air::Around { gas, mounting, gap_m: None }) = air else { return None };
         let (kernel, faces) = match mounting {
             AirMounting::Baffle { faces } => (Kernel::Source, faces.count()),
             AirMounting::BareFrame => (Kernel::Jump, 1.0),

@@ -28,7 +28,7 @@ pub(super) fn error_between(plate: &Plate, (low_hz, high_hz): (f64, f64)) -> f64
 /// The same plate without that pressure; `None` where there is none.
 fn without(plate: &Plate) -> Option<Plate> {
     let air = plate.spec().air?;
-    let has_some = air.mounting().is_some_and(|mounting| mounting.distant() != 0.0);
+    let has_some = air.distant() != 0.0;
     let near = || Plate::new(PlateSpec { air: Some(Air::near_alone(air)), ..plate.spec().clone() });
     has_some.then(near)?.ok()
 }

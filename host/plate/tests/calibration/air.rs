@@ -17,7 +17,7 @@ fn with_air(plate: &Plate, air: Option<Air>) -> Plate {
 }
 
 fn around(mounting: AirMounting) -> Option<Air> {
-    Some(Air::Around { gas: Gas::ROOM, mounting })
+    Some(Air::Around { gas: Gas::ROOM, mounting, gap_m: None })
 }
 
 /// What a plate is solved with, the noise below its responses, dB, and whether tones whose answers are not clear are

@@ -36,7 +36,7 @@ fn air_is_read_written_and_refused_by_field_and_range() {
         ),
         (
             "mounting = \"bare-frame\"\nfaces = 1\n",
-            "air.faces does not belong here: \"bare-frame\" has density",
+            "air.faces does not belong here: \"bare-frame\" has gap_m, density",
         ),
         ("mounting = \"baffle\"\nfaces = 3\n", "air.faces = 3: must be 1 or 2"),
         (

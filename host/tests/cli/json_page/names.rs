@@ -21,6 +21,16 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ("build", "text", "The firmware's build"),
     ("by", "text", "The way: two places, two places and a check, one sensor, current or touches"),
     ("caution", "text", "A caution that no measurement reveals and the user must check"),
+    ("first_bending_hz", "", "First bending of the frame with free ends"),
+    ("material", "text", "Material of the frame"),
+    ("mass_kg", "", "Mass of the frame, both sheets"),
+    (
+        "over_threshold_db",
+        "",
+        "Largest motion of the frame beyond the boundary over what a usual finger feels; null where unknown",
+    ),
+    ("sheet_m", "", "Thickness of each of the frame's two sheets"),
+    ("table_mass_kg", "", "Mass of the table to which the frame must be screwed; 0 where it may lie free"),
     ("chi2_per_n", "1", "Square of the deviation per answer, in units of its noise"),
     (
         "chord_gain_db",

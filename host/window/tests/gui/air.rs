@@ -37,12 +37,12 @@ fn the_air_of_a_plate_is_chosen_typed_and_undone() {
     type_into(&mut app, "Temperature", "35 °C");
     type_into(&mut app, "Height above sea", "1500");
     let gas = Gas::Atmosphere { temperature_c: 35.0, height_m: 1500.0 };
-    assert_eq!(air(&app), Some(Air::Around { gas, mounting: AirMounting::BareFrame }));
+    assert_eq!(air(&app), Some(Air::Around { gas, mounting: AirMounting::BareFrame, gap_m: None }));
     choose(&mut app, "Mounting: bare frame", "baffle");
     choose(&mut app, "Faces with air: both", "one");
     assert_eq!(
         air(&app),
-        Some(Air::Around { gas, mounting: AirMounting::Baffle { faces: Faces::One } }),
+        Some(Air::Around { gas, mounting: AirMounting::Baffle { faces: Faces::One }, gap_m: None }),
         "the rest stays as it was stated"
     );
     choose(&mut app, "Air by: temperature", "density");
@@ -52,20 +52,23 @@ fn the_air_of_a_plate_is_chosen_typed_and_undone() {
     type_into(&mut app, "Air density", "1.1 kg/m³");
     type_into(&mut app, "Speed of sound", "340");
     let gas = Gas::Given { density_kg_per_m3: 1.1, sound_speed_m_per_s: 340.0 };
-    assert_eq!(air(&app), Some(Air::Around { gas, mounting: AirMounting::Baffle { faces: Faces::One } }));
+    assert_eq!(
+        air(&app),
+        Some(Air::Around { gas, mounting: AirMounting::Baffle { faces: Faces::One }, gap_m: None })
+    );
     choose(&mut app, "Mounting: baffle", "coefficient");
     type_into(&mut app, "Air coefficient", "1.6");
     let stated = AirMounting::Coefficient { alpha: 1.6, faces: Faces::One };
-    assert_eq!(air(&app), Some(Air::Around { gas, mounting: stated }));
+    assert_eq!(air(&app), Some(Air::Around { gas, mounting: stated, gap_m: None }));
     choose(&mut app, "Mounting: coefficient", "not known");
-    assert_eq!(air(&app), Some(Air::Around { gas, mounting: AirMounting::Unknown }));
+    assert_eq!(air(&app), Some(Air::Around { gas, mounting: AirMounting::Unknown, gap_m: None }));
     assert!(app.window.query_by_role_and_label(Role::TextInput, "Air coefficient").is_none());
     undo(&mut app);
     choose(&mut app, "Mounting: coefficient", "vacuum");
     assert_eq!(air(&app), Some(Air::Vacuum));
     assert_eq!(app.window.state().setup().plate.band_hz(), band_hz);
     undo(&mut app);
-    assert_eq!(air(&app), Some(Air::Around { gas, mounting: stated }));
+    assert_eq!(air(&app), Some(Air::Around { gas, mounting: stated, gap_m: None }));
     for _ in 0..10 {
         undo(&mut app);
     }
@@ -79,16 +82,16 @@ fn the_air_that_a_calibration_found_is_shown_and_can_be_changed() {
     open_page(&mut app, "This plate");
     let found = AirMounting::Calibrated { alpha: 1.7, faces: Faces::Two, distant: 0.3 };
     let spec = app.window.state().setup().plate.spec().clone();
-    let plate = PlateSpec { air: Some(Air::Around { gas: Gas::ROOM, mounting: found }), ..spec };
+    let plate = PlateSpec { air: Some(Air::Around { gas: Gas::ROOM, mounting: found, gap_m: None }), ..spec };
     app.open("found.toml", Ok(Plate::new(plate).unwrap().to_toml()));
     app.wait(200);
     type_into(&mut app, "Distant share", "0.4");
     let changed = AirMounting::Calibrated { alpha: 1.7, faces: Faces::Two, distant: 0.4 };
-    assert_eq!(air(&app), Some(Air::Around { gas: Gas::ROOM, mounting: changed }));
+    assert_eq!(air(&app), Some(Air::Around { gas: Gas::ROOM, mounting: changed, gap_m: None }));
     choose(&mut app, "Faces with air: both", "one");
     choose(&mut app, "Mounting: calibrated", "coefficient");
     let stated = AirMounting::Coefficient { alpha: 1.7, faces: Faces::One };
-    assert_eq!(air(&app), Some(Air::Around { gas: Gas::ROOM, mounting: stated }));
+    assert_eq!(air(&app), Some(Air::Around { gas: Gas::ROOM, mounting: stated, gap_m: None }));
     assert!(app.window.query_by_role_and_label(Role::TextInput, "Distant share").is_none());
 }
 

@@ -46,7 +46,7 @@ pub(crate) fn or_missing_air(
         }
         other => return other,
     };
-    let unknown = Air::Around { gas: Gas::ROOM, mounting: AirMounting::Unknown };
+    let unknown = Air::Around { gas: Gas::ROOM, mounting: AirMounting::Unknown, gap_m: None };
     if shift_m(plate, &unknown) < SHIFT_MIN_M {
         return Err(error);
     }
@@ -69,10 +69,10 @@ fn other_air(
     chi2_per_n: f64,
     calibrate: impl Fn(&Plate, &Priors) -> Result<Calibrated, CalibrateError>,
 ) -> Option<CalibrateError> {
-    let Some(Air::Around { gas, mounting }) = plate.spec().air else { return None };
+    let Some(Air::Around { gas, mounting, gap_m }) = plate.spec().air else { return None };
     let mut others = [mounting.on_other_faces(), mounting.as_unknown()].into_iter().flatten();
     let fits_better = |mounting: &AirMounting| {
-        let air = Some(Air::Around { gas, mounting: *mounting });
+        let air = Some(Air::Around { gas, mounting: *mounting, gap_m });
         let other = Plate::new(PlateSpec { air, ..plate.spec().clone() }).ok();
         let found = other.and_then(|other| calibrate(&other, priors).ok());
         found.is_some_and(|found| found.chi2_per_n < FITS_BETTER * chi2_per_n)

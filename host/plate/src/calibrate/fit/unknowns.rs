@@ -91,7 +91,10 @@ impl Priors {
     /// The standard deviations of the coordinates that every plate has, in their order.
     pub(crate) fn deviations(&self, nominal: &PlateSpec) -> [f64; OF_PLATE] {
         let edge_give_m = self.edge_give_m.unwrap_or_else(|| edge_give_known_m(nominal));
-        [self.wave_speed, self.loss, self.taper, self.half_width, edge_give_m]
+        // Another tension across is another half-width: half of the ratio's error beside that of the cut.
+        let ratio = nominal.tension_ratio_tolerance.unwrap_or(0.0) / nominal.tension_ratio.unwrap_or(1.0);
+        let half_width = self.half_width.hypot(0.5 * ratio / INTERVAL);
+        [self.wave_speed, self.loss, self.taper, half_width, edge_give_m]
     }
 
     /// The same of all coordinates of this plate.
@@ -123,10 +126,15 @@ pub(crate) const fn with_speed(speed: f64, loss: f64) -> [f64; OF_PLATE] {
 
 /// Number of coordinates of this plate.
 pub(crate) fn of_plate(nominal: &PlateSpec) -> usize {
-    match (mounting_of(nominal), &nominal.model) {
-        (None, _) => OF_PLATE,
-        (Some(mounting), Model::Membrane { .. }) if mounting.distant_deviation() > 0.0 => OF_PLATE_MAX,
-        (Some(_), _) => OF_PLATE + 1,
+    match (&nominal.air, &nominal.model) {
+        (None | Some(Air::Vacuum), _) => OF_PLATE,
+        // Above a table no pressure at a distance counts.
+        (Some(Air::Around { mounting, gap_m: None, .. }), Model::Membrane { .. })
+            if mounting.distant_deviation() > 0.0 =>
+        {
+            OF_PLATE_MAX
+        }
+        (Some(Air::Around { .. }), _) => OF_PLATE + 1,
     }
 }
 
@@ -173,12 +181,14 @@ pub(crate) fn spec_at(nominal: &PlateSpec, coordinates: &[f64]) -> PlateSpec {
 /// is known or the plate has no such pressure. From a share of that pressure which the actual air does not have, a fit on clean
 /// data does not find the coefficient.
 pub(crate) fn in_tried_air(nominal: &PlateSpec) -> Vec<PlateSpec> {
-    let Some(Air::Around { gas, mounting: AirMounting::Unknown }) = nominal.air else { return Vec::new() };
+    let Some(Air::Around { gas, mounting: AirMounting::Unknown, gap_m }) = nominal.air else {
+        return Vec::new();
+    };
     if of_plate(nominal) <= DISTANT_AIR {
         return Vec::new();
     }
     let (_, faces) = AirMounting::Unknown.coefficient();
-    let with = |alpha: f64| Air::Around { gas, mounting: AirMounting::Coefficient { alpha, faces } };
+    let with = |alpha: f64| Air::Around { gas, mounting: AirMounting::Coefficient { alpha, faces }, gap_m };
     TRIED.map(|alpha| PlateSpec { air: Some(with(alpha)), ..nominal.clone() }).into()
 }
 

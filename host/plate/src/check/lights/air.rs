@@ -7,9 +7,14 @@ use crate::check::thresholds::AIR_MM;
 use crate::definition::air::{Air, AirMounting, Faces, Gas};
 use crate::definition::model::Model;
 use crate::quantity::number_format::with_decimals;
+use crate::quantity::show_length;
+
+/// The table that is warned of: a frame with feet of 10 mm, metres.
+const NEAR_M: f64 = 0.01;
 
 /// Its value is the possible distance of the peak from the place in the file, mm. Without `[air]` it is the shift by
-/// air on both faces in a baffle, the largest of all mountings. With it, it is the uncertainty of the coefficient.
+/// air on both faces in a baffle, the largest of all mountings. With it, it is the uncertainty of the coefficient, or on a light
+/// membrane in a baffle how far the law of the air is from the field in two dimensions, if that is more.
 ///
 /// It is never red: a wave speed that was measured in the air holds the air already, but for its course over the frequency.
 pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
@@ -29,10 +34,26 @@ pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
         (_, Some(Air::Around { mounting, .. })) => {
             let moved = shift_mm(site, spec.air.as_ref());
             let open = mounting.deviation() * moved.abs();
-            let moves = format!("The air moves the peak by {} mm, which is counted", with_decimals(moved, 1));
+            let table = table(site);
+            let moves =
+                format!("The air moves the peak by {} mm{table}, which is counted", with_decimals(moved, 1));
             if spec.calibration.is_some() {
                 let sentence = format!("{moves}: its coefficient was measured.");
                 return light(None, Colour::Green, sentence);
+            }
+            let law = site.prepared.air_law.as_ref();
+            let off = law.map_or(0.0, |law| 1e3 * law.off_m(site.plate, site.boundary_m));
+            if off.abs() > open {
+                let (off_mm, way) =
+                    (with_decimals(off.abs(), 1), if off > 0.0 { "farther" } else { "nearer" });
+                let (colour, sentence) = graded(
+                    off,
+                    format!("{moves}; in two dimensions it is {off_mm} mm {way}."),
+                    format!(
+                        "{moves}, but in two dimensions the peak is {off_mm} mm {way}: compute each boundary in two dimensions, or take a heavier film."
+                    ),
+                );
+                return light(Some(off.abs()), colour, sentence);
             }
             let open_mm = with_decimals(open, 1);
             let (colour, sentence) = graded(
@@ -40,11 +61,11 @@ pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
                 format!("{moves}; {open_mm} mm of it are open."),
                 format!("{moves}, and {open_mm} mm of it are open: measure two boundaries, or calibrate."),
             );
-            light(Some(open), colour, sentence)
+            light(Some(open), colour, sentence + &beside_a_table(site))
         }
         (_, None) => {
             let mounting = AirMounting::Baffle { faces: Faces::Two };
-            let air = Some(Air::Around { gas: Gas::ROOM, mounting });
+            let air = Some(Air::Around { gas: Gas::ROOM, mounting, gap_m: None });
             if spec.model.surface_density(name).is_err() {
                 let sentence = "Not known without the membrane's tension: give tension_n_per_m.".to_owned();
                 return light(None, Colour::Unchecked, sentence);
@@ -66,6 +87,36 @@ pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
             light(Some(off), colour, sentence)
         }
     }
+}
+
+/// What a stated table below does, within a sentence; nothing without one.
+fn table(site: &Site<'_>) -> String {
+    let Some(Air::Around { gas, mounting, gap_m: Some(gap_m) }) = site.plate.spec().air else {
+        return String::new();
+    };
+    let open = Air::Around { gas, mounting, gap_m: None };
+    let by_mm = shift_mm(site, site.plate.spec().air.as_ref()) - shift_mm(site, Some(&open));
+    format!(", {} mm of it by the table {} below", with_decimals(by_mm, 1), show_length(gap_m))
+}
+
+/// What a table would do that the file does not state, as a sentence behind another; nothing where it does little.
+fn beside_a_table(site: &Site<'_>) -> String {
+    let Some(Air::Around { gas, mounting, gap_m: None }) = site.plate.spec().air else {
+        return String::new();
+    };
+    if let AirMounting::Baffle { .. } = mounting {
+        return String::new();
+    }
+    let near = Air::Around { gas, mounting, gap_m: Some(NEAR_M) };
+    let by_mm = shift_mm(site, Some(&near)) - shift_mm(site, site.plate.spec().air.as_ref());
+    if by_mm <= AIR_MM {
+        return String::new();
+    }
+    format!(
+        " A table {} below would move it by another {} mm: leave 50 mm free, or state gap_m.",
+        show_length(NEAR_M),
+        with_decimals(by_mm, 0)
+    )
 }
 
 /// The colour of `mm`, and its sentence.

@@ -3,8 +3,10 @@
 pub(super) mod actuator;
 pub(super) mod air;
 pub(super) mod distortion;
+pub(super) mod drift;
 pub(super) mod drive;
 pub(super) mod felt_edge;
+pub(super) mod frame;
 pub(super) mod sensitivity;
 pub(super) mod shape;
 pub(super) mod sound;

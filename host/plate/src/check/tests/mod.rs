@@ -39,7 +39,7 @@ fn every_preset_has_every_light_in_one_order_each_with_a_sentence() {
             .over_span(&mut Progress::unwatched())
             .expect("span");
         let names: Vec<&str> = report.lights.iter().map(|light| light.name).collect();
-        assert_eq!(names.len(), 19);
+        assert_eq!(names.len(), 22);
         assert_eq!(*order.get_or_insert(names.clone()), names);
         // Over the span at level 1: who chooses it reads why.
         let red: Vec<&Light> = report.lights.iter().filter(|light| light.colour == Colour::Red).collect();

@@ -1,10 +1,11 @@
-//! The fields of what is around the plate: the driven end, the air, the actuator, and the record of a calibration.
+//! The fields of what is around the plate: the driven end, the air, the frame, the actuator, and the record of a calibration.
 
 use super::field::{At, Columns, Field, FieldType, Kind, NONE, NOWHERE, Section, Slot, fields, kinds};
 use crate::definition::actuator::{Actuator, Resonator};
 use crate::definition::air::{Air, AirMounting, Faces, Gas};
 use crate::definition::calibration::{Calibration, SOURCE_TOLERANCE};
 use crate::definition::drive::DriveEnd;
+use crate::definition::frame::Frame;
 use crate::definition::harmonics::Harmonics;
 use crate::definition::impedance::Impedance;
 use crate::definition::limits;
@@ -107,7 +108,7 @@ pub(super) const LEAD_IN: Section = Section {
 fn around(has: &dyn Fn(&str) -> bool, mounting: AirMounting) -> Option<Air> {
     let given = Gas::Given { density_kg_per_m3: 0.0, sound_speed_m_per_s: 0.0 };
     let is_given = has("density_kg_per_m3") || has("sound_speed_m_per_s");
-    Some(Air::Around { gas: if is_given { given } else { Gas::ROOM }, mounting })
+    Some(Air::Around { gas: if is_given { given } else { Gas::ROOM }, mounting, gap_m: None })
 }
 
 const BOTH: Faces = Faces::Two;
@@ -120,16 +121,16 @@ pub(super) const AIR: Section = Section {
         "baffle" [faces density_kg_per_m3 sound_speed_m_per_s temperature_c height_m]
             { spec.air, Some(Air::Around { mounting: AirMounting::Baffle { .. }, .. }) }
             = around(has, AirMounting::Baffle { faces: BOTH });
-        "bare-frame" [density_kg_per_m3 sound_speed_m_per_s temperature_c height_m]
+        "bare-frame" [gap_m density_kg_per_m3 sound_speed_m_per_s temperature_c height_m]
             { spec.air, Some(Air::Around { mounting: AirMounting::BareFrame, .. }) }
             = around(has, AirMounting::BareFrame);
-        "unknown" [density_kg_per_m3 sound_speed_m_per_s temperature_c height_m]
+        "unknown" [gap_m density_kg_per_m3 sound_speed_m_per_s temperature_c height_m]
             { spec.air, Some(Air::Around { mounting: AirMounting::Unknown, .. }) }
             = around(has, AirMounting::Unknown);
-        "coefficient" [coefficient faces density_kg_per_m3 sound_speed_m_per_s temperature_c height_m]
+        "coefficient" [coefficient faces gap_m density_kg_per_m3 sound_speed_m_per_s temperature_c height_m]
             { spec.air, Some(Air::Around { mounting: AirMounting::Coefficient { .. }, .. }) }
             = around(has, AirMounting::Coefficient { alpha: 0.0, faces: BOTH });
-        "calibrated" [coefficient distant_share faces density_kg_per_m3 sound_speed_m_per_s temperature_c height_m]
+        "calibrated" [coefficient distant_share faces gap_m density_kg_per_m3 sound_speed_m_per_s temperature_c height_m]
             { spec.air, Some(Air::Around { mounting: AirMounting::Calibrated { .. }, .. }) }
             = around(has, AirMounting::Calibrated { alpha: 0.0, faces: BOTH, distant: 0.0 });
         "vacuum" [] { spec.air, Some(Air::Vacuum) } = Some(Air::Vacuum);
@@ -155,6 +156,8 @@ pub(super) const AIR: Section = Section {
                     | AirMounting::Coefficient { faces: it, .. }
                     | AirMounting::Calibrated { faces: it, .. }, ..
             }) => Slot::Faces(it) };
+        gap_m: FieldType::Number(limits::AIR_GAP), "distance of a table from the lower face" ["Table below", MM]
+            { spec.air, Some(Air::Around { gap_m: it, .. }) => Slot::Optional(it) };
         density_kg_per_m3: FieldType::Number(limits::AIR_DENSITY), "density of the air"
             ["Air density", Unit::Times("kg/m³", 1.0)]
             { spec.air, Some(Air::Around { gas: Gas::Given { density_kg_per_m3: it, .. }, .. }) => Slot::Number(it) };
@@ -184,6 +187,39 @@ fn harmonics(has: &dyn Fn(&str) -> bool) -> Option<Harmonics> {
     let [second, third] = HARMONIC_POINTS.map(|name| has(name).then(|| ResponseCurve { points: Vec::new() }));
     (second.is_some() || third.is_some()).then_some(Harmonics { level: 0.0, second, third })
 }
+
+const NO_FRAME: Frame = Frame {
+    youngs_modulus_pa: 0.0,
+    density_kg_per_m3: 0.0,
+    thickness_m: 0.0,
+    rim_m: 0.0,
+    table_mass_kg: 0.0,
+};
+
+pub(super) const FRAME: Section = Section {
+    name: "frame",
+    meaning: "the frame that holds the plate",
+    kind_field: "",
+    kinds: kinds! { spec, has: "" [] { spec.frame, Some(_) } = Some(NO_FRAME); },
+    not_a_kind: NONE,
+    fields: fields! { spec:
+        youngs_modulus_pa: FieldType::Number(limits::YOUNGS_MODULUS), "Young's modulus of the frame"
+            ["Frame modulus", Unit::Times("GPa", 1e9)]
+            { spec.frame, Some(it) => Slot::Number(&mut it.youngs_modulus_pa) };
+        density_kg_per_m3: FieldType::Number(limits::DENSITY), "density of the frame"
+            ["Frame density", Unit::Times("kg/m³", 1.0)]
+            { spec.frame, Some(it) => Slot::Number(&mut it.density_kg_per_m3) };
+        thickness_m: FieldType::Number(limits::FRAME_THICKNESS), "thickness of both sheets of the frame together"
+            ["Frame thickness", MM]
+            { spec.frame, Some(it) => Slot::Number(&mut it.thickness_m) };
+        rim_m: FieldType::Number(limits::RIM), "width of the rim around the window" ["Rim", MM]
+            (or 0.02)
+            { spec.frame, Some(it) => Slot::Number(&mut it.rim_m) };
+        table_mass_kg: FieldType::Number(limits::MOVING_MASS), "mass of the table to which the frame is screwed"
+            ["Table mass", Unit::Times("kg", 1.0)] (or 0.0)
+            { spec.frame, Some(it) => Slot::Number(&mut it.table_mass_kg) };
+    },
+};
 
 /// A measured curve where the file has its points, else a resonator; half a travel is none, so its two fields belong together.
 fn actuator(has: &dyn Fn(&str) -> bool) -> Actuator {

@@ -12,7 +12,7 @@ pub(crate) use field::{FieldType, Kind, Section, Slot};
 pub(crate) use sheet::{MODEL, PLATE, TAPER};
 
 /// All sections; the plate's own fields come first.
-pub(crate) const SECTIONS: [&Section; 9] = [
+pub(crate) const SECTIONS: [&Section; 10] = [
     &PLATE,
     &TAPER,
     &MODEL,
@@ -20,6 +20,7 @@ pub(crate) const SECTIONS: [&Section; 9] = [
     &DRIVE,
     &drive::LEAD_IN,
     &drive::AIR,
+    &drive::FRAME,
     &drive::ACTUATOR,
     &drive::CALIBRATION,
 ];

@@ -34,6 +34,8 @@ const WRITTEN: &[&str] = &[
     "loss_tolerance",
     "edge_give_m",
     "edge_give_tolerance_m",
+    "tension_ratio",
+    "tension_ratio_tolerance",
     "turning_width",
     "full_scale_m",
     "span_start_m",
@@ -64,6 +66,11 @@ pub(crate) const PLATE: Section = Section {
             { spec.edge_give_m, it => Slot::Optional(it) };
         edge_give_tolerance_m: FieldType::Number(limits::EDGE_GIVE_TOLERANCE), "how well that is known"
             { spec.edge_give_tolerance_m, it => Slot::Optional(it) };
+        tension_ratio: FieldType::Number(limits::TENSION_RATIO), "tension across over tension along a membrane"
+            ["Tension ratio", Unit::Pure] (or 1.0)
+            { spec.tension_ratio, it => Slot::Optional(it) };
+        tension_ratio_tolerance: FieldType::Number(limits::TENSION_RATIO_TOLERANCE), "how well that is known"
+            { spec.tension_ratio_tolerance, it => Slot::Optional(it) };
         turning_width: FieldType::OneOf(TURNING_WIDTHS), "the width that decides where a wave turns"
             { spec.turning_width, it => Slot::Width(it) };
         loss_tolerance: FieldType::Number(limits::LOSS_TOLERANCE), "how well the loss factor is known"

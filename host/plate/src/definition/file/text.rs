@@ -141,7 +141,10 @@ impl<'a> Given<'a> {
         if value.get_ref().is_table() {
             let sections = || SECTIONS.iter().map(|section| section.name).filter(|name| !name.is_empty());
             let reason = nearest(&name, sections()).map_or_else(
-                || "the sections of a plate are [taper], [model], [drive], [air] and [actuator]".to_owned(),
+                || {
+                    "the sections of a plate are [taper], [model], [drive], [air], [frame] and [actuator]"
+                        .to_owned()
+                },
                 |near| format!("did you mean [{near}]?"),
             );
             return Err(PlateError::Unexpected { field: format!("[{}]", self.schema.path(&name)), reason });

@@ -180,7 +180,7 @@ fn the_peaks_in_air_do_not_depend_on_the_panels() {
         [(AirMounting::Baffle { faces: Faces::Two }, 0.2), (AirMounting::BareFrame, 0.12)]
     {
         let mut spec = preset("membrane").unwrap().spec().clone();
-        spec.air = Some(Air::Around { gas: Gas::ROOM, mounting });
+        spec.air = Some(Air::Around { gas: Gas::ROOM, mounting, gap_m: None });
         let plate = Plate::new(spec).unwrap();
         let frequency_hz = plate.frequency_for_boundary_hz(place_m);
         let peak = |resolution| {

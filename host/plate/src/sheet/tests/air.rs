@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 /// Air of 1.2 kg/m^3 on both faces, alpha times what an endless wave carries.
 fn air(alpha: f64) -> Air {
     let gas = Gas::Given { density_kg_per_m3: 1.2, sound_speed_m_per_s: 343.0 };
-    Air::Around { gas, mounting: AirMounting::Coefficient { alpha, faces: Faces::Two } }
+    Air::Around { gas, mounting: AirMounting::Coefficient { alpha, faces: Faces::Two }, gap_m: None }
 }
 
 fn in_air(plate: &Plate, alpha: f64) -> Plate {

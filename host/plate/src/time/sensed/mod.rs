@@ -44,6 +44,9 @@ const BEYOND: (f64, f64) = (0.8, 1.5);
 const HARMONICS: f64 = 3.1;
 /// The same with a finger: far above the band, its contact is not a sum of resonances.
 const BEYOND_TOUCHED: (f64, f64) = (1.0, 1.05);
+/// The end of the exact band in a baffle, over the frequency that turns at the plate's end: there the pressure at a distance is
+/// singular (`frequency/far_air.rs` divides by Q of the last point), which no resonance follows.
+const BEFORE_THE_END: f64 = 0.95;
 /// Number of frequencies at which the plate holds its drive.
 const HELD_FREQUENCIES: u32 = 24;
 /// Their weights over that of the band: the second is used where the first leaves too large an error in the band.
@@ -86,8 +89,9 @@ impl SensedPlate {
     /// Prepares a plate, optionally with a resting finger, for codes at one of [`crate::sample_rates`].
     ///
     /// From 0.8 of the lowest frequency of the plate's span to 1.5 of its highest one (with a finger that damps from the
-    /// lowest to 1.05 of the highest) the response is that of the frequency domain, between clamped edges within one or two
-    /// hundredths; above this band it falls off. It includes a measured actuator and the correction of a calibration,
+    /// lowest to 1.05 of the highest; on a membrane in a baffle at most to 0.95 of the frequency that turns at the plate's end)
+    /// the response is that of the frequency domain, between clamped edges within one or two hundredths; above this band it
+    /// falls off. It includes a measured actuator and the correction of a calibration,
     /// with the minimum phase of their gain; noise between their points is smoothed, see [`Output::error`].
     ///
     /// # Errors
@@ -127,7 +131,13 @@ impl SensedPlate {
             (BEYOND.0, reach)
         };
         let (low_hz, high_hz) = plate.band_hz();
-        let top_hz = (beyond.1 * high_hz).min(TOP_TO_RATE * sample_rate_hz).max(high_hz);
+        let end_hz = match &plate.spec().air {
+            Some(air) if air.distant() != 0.0 && plate.width_mode(1).air(high_hz).is_some() => {
+                BEFORE_THE_END * plate.frequency_for_boundary_hz(plate.length_m())
+            }
+            _ => f64::INFINITY,
+        };
+        let top_hz = (beyond.1 * high_hz).min(end_hz).min(TOP_TO_RATE * sample_rate_hz).max(high_hz);
         let plan = BandPlan::new(sample_rate_hz, beyond.0 * low_hz, top_hz);
         let stop_hz = plan.stop_hz();
         let exact_hz = (beyond.0 * low_hz, top_hz);

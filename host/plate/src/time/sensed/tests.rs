@@ -3,7 +3,7 @@ use crate::calibrate::seen;
 use crate::definition::presets::{preset, presets};
 use crate::frequency::equation::Equation;
 use crate::frequency::respond::respond;
-use crate::{Air, PlateSpec};
+use crate::{Air, AirMounting, Faces, Gas, PlateSpec};
 
 const RATE_HZ: f64 = 400e3;
 /// Delay by the hold of the DAC.
@@ -206,18 +206,25 @@ fn what_cannot_be_sensed_is_refused_by_name_and_range() {
 
 #[test]
 fn a_sensor_on_a_membrane_in_air_answers_as_the_frequency_domain() {
-    let still = preset("membrane").expect("a preset");
-    let plate = Plate::new(PlateSpec { air: Some(Air::ROOM), ..still.spec().clone() }).expect("a plate");
-    let sensed = SensedPlate::new(&plate, None, RATE_HZ).expect("a plate in time");
-    let (low_hz, high_hz) = plate.band_hz();
-    let kind = SensorKind::Displacement;
-    for place_m in [0.03, 0.18] {
-        let output = sensed.sensor(kind, place_m, 0.0).expect("on the plate");
-        for i in 0..=10 {
-            let hz = low_hz * (high_hz / low_hz).powf(f64::from(i) / 10.0);
-            let wanted = shown(&plate, &field(&plate, hz), kind, place_m, hz);
-            let found = sensed.steady(&output, hz) / Complex64::cis(TAU * hz * LAG_S);
-            assert_close(&format!("{place_m} {hz} Hz"), found, wanted, 1e-2 * plate.spec().full_scale_m);
+    let mounting = AirMounting::Baffle { faces: Faces::Two };
+    let baffle = Air::Around { gas: Gas::ROOM, mounting, gap_m: None };
+    for (name, air, places_m) in
+        [("membrane", Air::ROOM, [0.03, 0.18]), ("latex-membrane", baffle, [0.094, 0.198])]
+    {
+        let still = preset(name).expect("a preset");
+        let plate = Plate::new(PlateSpec { air: Some(air), ..still.spec().clone() }).expect("a plate");
+        let sensed = SensedPlate::new(&plate, None, RATE_HZ).expect("a plate in time");
+        let (low_hz, high_hz) = plate.band_hz();
+        let kind = SensorKind::Displacement;
+        for place_m in places_m {
+            let output = sensed.sensor(kind, place_m, 0.0).expect("on the plate");
+            for i in 0..=10 {
+                let hz = low_hz * (high_hz / low_hz).powf(f64::from(i) / 10.0);
+                let wanted = shown(&plate, &field(&plate, hz), kind, place_m, hz);
+                let found = sensed.steady(&output, hz) / Complex64::cis(TAU * hz * LAG_S);
+                let of = format!("{name} {place_m} {hz} Hz");
+                assert_close(&of, found, wanted, 1e-2 * plate.spec().full_scale_m);
+            }
         }
     }
 }

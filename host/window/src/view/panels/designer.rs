@@ -104,6 +104,9 @@ fn figures(ui: &mut egui::Ui, design: &Design) {
     if let Some(tension) = design.tension_n_per_m {
         row(ui, "Tension", format!("{tension:.1} N/m"));
     }
+    if let Some(frame) = design.frame {
+        row(ui, "Frame", format!("2 × {} of {}", show_length(frame.sheet_m), frame.material));
+    }
     ui.label(RichText::new(design.mounting.sentence()).small().color(theme::palette(ui).weak));
     if let Some(caution) = design.caution() {
         ui.add(egui::Label::new(RichText::new(caution).small().color(theme::palette(ui).warn)).wrap());

@@ -26,15 +26,15 @@ pub(super) fn show(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
     let (shown, _) = stated(air);
     let entries: Vec<_> = mountings(air).into_iter().map(|air| (stated(air), air)).collect();
     offer(ui, numbers, ("Mounting", shown, MOUNTING_HELP), &entries, air);
-    let Some(Air::Around { gas, mounting }) = air else {
+    let Some(Air::Around { gas, mounting, gap_m }) = air else {
         let bare = changed(numbers.plate, |spec| spec.air = Some(Air::ROOM));
         if let Err(reason) = bare {
             ui.label(RichText::new(reason).small().color(theme::palette(ui).weak));
         }
         return;
     };
-    let around = |gas, mounting| Some(Air::Around { gas, mounting });
-    numbers.show(ui, &["air.coefficient", "air.distant_share"]);
+    let around = |gas, mounting| Some(Air::Around { gas, mounting, gap_m });
+    numbers.show(ui, &["air.coefficient", "air.distant_share", "air.gap_m"]);
     let (_, faces) = mounting.coefficient();
     let with = |faces| match mounting {
         AirMounting::Baffle { .. } => Some(AirMounting::Baffle { faces }),
@@ -55,17 +55,21 @@ pub(super) fn show(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
         ];
         offer(ui, numbers, ("Faces with air", shown, FACES_HELP), &entries, air);
     }
-    gas_numbers(ui, numbers, gas, mounting);
+    gas_numbers(ui, numbers, (gas, mounting, gap_m));
 }
 
 /// Temperature and height, or density and speed of sound.
-fn gas_numbers(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, gas: Gas, mounting: AirMounting) {
+fn gas_numbers(
+    ui: &mut egui::Ui,
+    numbers: &mut Numbers<'_, '_>,
+    (gas, mounting, gap_m): (Gas, AirMounting, Option<f64>),
+) {
     let (density_kg_per_m3, sound_speed_m_per_s) = (gas.density_kg_per_m3(), gas.sound_speed_m_per_s());
     let (given, atmosphere) = match gas {
         Gas::Given { .. } => (gas, Gas::ROOM),
         Gas::Atmosphere { .. } => (Gas::Given { density_kg_per_m3, sound_speed_m_per_s }, gas),
     };
-    let around = |gas| Some(Air::Around { gas, mounting });
+    let around = |gas| Some(Air::Around { gas, mounting, gap_m });
     let entries = [
         (("temperature", "Dry air of this temperature, at this height above the sea"), around(atmosphere)),
         (("density", "The density of the air and the speed of sound in it"), around(given)),
@@ -78,11 +82,15 @@ fn gas_numbers(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, gas: Gas, mount
 
 /// The ways to stand in the air, with what else is stated kept. Only a calibration makes one that is calibrated.
 fn mountings(air: Option<Air>) -> Vec<Option<Air>> {
-    let (gas, (alpha, faces)) = match air {
-        Some(Air::Around { gas, mounting }) => (gas, mounting.coefficient()),
-        None | Some(Air::Vacuum) => (Gas::ROOM, AirMounting::BareFrame.coefficient()),
+    let (gas, (alpha, faces), gap_m) = match air {
+        Some(Air::Around { gas, mounting, gap_m }) => (gas, mounting.coefficient(), gap_m),
+        None | Some(Air::Vacuum) => (Gas::ROOM, AirMounting::BareFrame.coefficient(), None),
     };
-    let around = |mounting| Some(Air::Around { gas, mounting });
+    // A baffle has no gap.
+    let around = |mounting: AirMounting| {
+        let gap_m = gap_m.filter(|_| !matches!(mounting, AirMounting::Baffle { .. }));
+        Some(Air::Around { gas, mounting, gap_m })
+    };
     let mut all = vec![
         None,
         Some(Air::Vacuum),

@@ -27,6 +27,20 @@ pub(super) fn show(ui: &mut egui::Ui, plate: &Arc<Plate>, view: &mut ViewState, 
     ui.separator();
     theme::heading(ui, "Actuator");
     actuator(ui, &mut numbers);
+    if numbers.plate.spec().frame.is_some() {
+        ui.separator();
+        theme::heading(ui, "Frame");
+        numbers.show(
+            ui,
+            &[
+                "frame.thickness_m",
+                "frame.rim_m",
+                "frame.youngs_modulus_pa",
+                "frame.density_kg_per_m3",
+                "frame.table_mass_kg",
+            ],
+        );
+    }
 }
 
 /// The plate and the state with which the fields are shown.
@@ -107,6 +121,7 @@ fn wave(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
         &[
             "model.wave_speed_m_per_s",
             "model.tension_n_per_m",
+            "tension_ratio",
             "model.shear_modulus_pa",
             "model.youngs_modulus_pa",
             "model.poisson_ratio",
