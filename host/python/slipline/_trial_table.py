@@ -206,11 +206,13 @@ def answer_of(row: Mapping[str, str]) -> Any:
         return None
     if response in ("yes", "no"):
         return response == "yes"
-    for kind in (int, float):
-        try:
-            return kind(response)
-        except ValueError:
-            pass
+    # Python reads more as a number than a cell of one has: 1_000, and the digits of other scripts.
+    if response.isascii() and "_" not in response:
+        for kind in (int, float):
+            try:
+                return kind(response)
+            except ValueError:
+                pass
     return response
 
 
