@@ -33,8 +33,8 @@ class Staircase:
 
     ``place`` is the field that varies: ``felt_edge_m``, ``turning_point_m`` or ``frequency_hz``. ``points`` places from ``low`` to
     ``high`` can be asked, 2 to 2001, and up to 377 with seven ``spreads``. These are those of the grid; by default seven, from a
-    hundredth to a third of the range. What
-    ``fields`` holds (``level``, ``duration_s``, ``trial_type``, a column of your own) is that of every trial.
+    hundredth to a third of the range. What ``fields`` holds (``level``, ``duration_s``, ``trial_type``, a column of your own) is that
+    of every trial.
 
     ``slipline.trials.run`` takes a staircase in place of a list of trials, and several by ``slipline.trials.interleaved``. By hand::
 
