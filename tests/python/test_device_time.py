@@ -185,6 +185,16 @@ def test_an_iterator_watches_the_device_until_it_is_closed(plate: slipline.Plate
     assert [one.now_samples < other.now_samples for one, other in zip(seen, seen[1:])] == [True] * 5
 
 
+def test_closing_ends_the_iterator_of_another_thread_within_its_period(plate: slipline.Plate) -> None:
+    seen: list[object] = []
+    with slipline.connect() as device:
+        watching = threading.Thread(target=lambda: seen.extend(device.watch(60.0)), daemon=True)
+        watching.start()
+        device.wait(seconds=0.2)
+    watching.join(20.0)
+    assert not watching.is_alive() and len(seen) == 1
+
+
 #: Number of trials, and of programs that compute beside them; the night takes 200 at load 8.
 TRIALS = int(os.environ.get("SLIPLINE_TRIALS", "8"))
 LOAD = int(os.environ.get("SLIPLINE_LOAD", "0"))

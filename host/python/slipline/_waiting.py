@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from .results import Result, Status
 
 
+#: Longest time between two looks at what ends a pause.
+_GLANCE_S = 0.05
+
+
 async def wait_async(device: Device, at_samples: int | Result | None, seconds: float | None, timeout: float | None) -> int:
     """Waits on a thread of its own; after a cancellation that thread ends within 50 ms.
 
@@ -55,4 +59,7 @@ def watch(device: Device, period_s: float) -> Iterator[Status]:
                 return
             raise
         yield status
-        time.sleep(period_s)
+        until_s = time.monotonic() + period_s
+        # Another thread may close the device meanwhile.
+        while not device.closed and (left_s := until_s - time.monotonic()) > 0:
+            time.sleep(min(left_s, _GLANCE_S))
