@@ -174,7 +174,7 @@ class _Runner:
         self._take_break = take_break
         self._break_every = break_every
         self._table = table
-        self._axis = Axis(table.rows)
+        self._axis = Axis(table.rows, table.path)
         self._first = len(table.rows)
         self._practice = practice
         part = table.rows[-1]["part"] if table.rows else "0"
