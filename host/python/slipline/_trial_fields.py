@@ -85,6 +85,7 @@ def checked(given: Mapping[str, Any], reserved: Iterable[str] = ()) -> Trial:
     if not isinstance(given, Mapping):
         text = f"{given!r}: a trial is a dictionary of its fields; a table of pandas is table.to_dict('records')"
         raise OutOfRange(text, "trials", given)
+    given = dict(given)
     own = {field: value for field, value in given.items() if field not in FIELDS}
     for field, value in own.items():
         _check_own(field, value, set(reserved))
