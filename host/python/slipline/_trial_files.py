@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from ._trial_fields import whole
 from .errors import BadFile, OutOfRange
 
 __all__ = ["Description", "cell", "events_path", "replace"]
@@ -29,8 +28,8 @@ def events_path(folder: Path, subject: str, session: str, task: str, run: int | 
     for field, label in zip(("subject", "session", "task"), names.values()):
         if not isinstance(label, str) or not re.fullmatch("[A-Za-z0-9]+", label):
             raise OutOfRange(f"{field} = {label!r}: must be a text of letters and digits", field, label)
-    if (number := whole("run", run)) is not None:
-        names["run"] = str(number)
+    if run is not None:
+        names["run"] = str(run)
     name = "_".join(f"{key}-{label}" for key, label in names.items())
     return folder / f"sub-{subject}" / f"ses-{session}" / "beh" / f"{name}_events.tsv"
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ._trial_fields import Trial, whole
+from ._trial_fields import Trial
 from .errors import OutOfRange
 
 __all__ = ["check_seed", "interval_s", "ordered", "with_at_most_alike"]
@@ -26,7 +26,6 @@ def ordered(trials: Sequence[Trial], seed: int | None, max_alike: int | None, al
     Trials of the same ``block`` stay together, and the blocks in their order. With ``max_alike``, no more trials than that follow
     each other in a block whose field ``alike`` has the same value.
     """
-    max_alike = whole("max_alike", max_alike)
     if seed is None:
         if max_alike is not None:
             raise OutOfRange(f"max_alike = {max_alike}: the order is random only with a seed", "max_alike", max_alike)

@@ -17,7 +17,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 
@@ -78,12 +78,12 @@ def run(
     subject: str,
     task: str,
     session: str = "01",
-    run: int | None = None,
-    seed: int | None = None,
-    max_alike: int | None = None,
+    run: SupportsIndex | None = None,
+    seed: SupportsIndex | None = None,
+    max_alike: SupportsIndex | None = None,
     alike: str = "trial_type",
     practice: Iterable[Mapping[str, Any]] = (),
-    break_every: int | None = None,
+    break_every: SupportsIndex | None = None,
     take_break: Callable[[dict[str, Any]], Any] | None = None,
     columns: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Rows:
@@ -121,7 +121,8 @@ def run(
     row is written; after ``device.arm()`` the same call goes on.
     """
     check_seed(seed)
-    break_every = whole("break_every", break_every)
+    seed = None if seed is None else int(seed)
+    run, max_alike, break_every = whole("run", run), whole("max_alike", max_alike), whole("break_every", break_every)
     if break_every is not None and take_break is None:
         raise OutOfRange("break_every: needs take_break, which is called in the break", "break_every", break_every)
     for field, function in (("respond", respond), ("take_break", take_break)):
