@@ -92,3 +92,27 @@ def test_an_interactive_program_that_has_armed_nothing_counts_as_attended() -> N
         assert program.end() == (0, "")
 
 
+
+
+def test_a_handler_of_the_log_that_is_slow_or_fails_keeps_no_sign_of_life_back() -> None:
+    then = """
+    import logging
+
+    class Slow(logging.Handler):
+        def emit(self, record):
+            time.sleep(2.5)                       # as one that sends mails
+            raise RuntimeError("its window is gone")
+
+    logging.getLogger("slipline").addHandler(Slow())
+    logging.getLogger("slipline").setLevel(logging.DEBUG)
+    device.disarm()
+    device.arm()
+    device.drive(turning_point_m=0.16)
+    time.sleep(6.0)
+    print(device.status().state)
+    """
+    with Line() as line, drives(line, then) as program:
+        assert program.line() == "drives"
+        assert program.line() == "Driving"
+        code, errors = program.end()
+        assert code == 0 and errors.count("RuntimeError: its window is gone") >= 2, errors

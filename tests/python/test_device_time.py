@@ -155,6 +155,19 @@ def test_other_tasks_run_during_a_wait_of_asyncio_and_it_can_be_cancelled(device
     assert time.monotonic() - began < 20.0
 
 
+def test_waits_of_asyncio_neither_wait_for_each_other_nor_keep_a_thread_of_the_event_loop(device: slipline.Device) -> None:
+    async def run() -> None:
+        # More than the threads of the loop's executor.
+        waits = [asyncio.create_task(device.wait_async(1 << 60, timeout=60.0)) for _ in range((os.cpu_count() or 1) + 5)]
+        await asyncio.sleep(0.2)
+        stopped = await asyncio.wait_for(asyncio.to_thread(device.stop), 20.0)
+        ends = await asyncio.wait_for(asyncio.gather(*waits), 20.0)
+        assert all(stopped - 40_000 < end for end in ends)
+
+    device.drive(turning_point_m=0.16)
+    asyncio.run(run())
+
+
 def test_an_iterator_watches_the_device_until_it_is_closed(plate: slipline.Plate) -> None:
     seen = []
     with slipline.connect() as device:
@@ -170,6 +183,16 @@ def test_an_iterator_watches_the_device_until_it_is_closed(plate: slipline.Plate
             device.watch(0.0)
     assert [status.state for status in seen] == ["Armed"] * 3 + ["Driving"] * 3
     assert [one.now_samples < other.now_samples for one, other in zip(seen, seen[1:])] == [True] * 5
+
+
+def test_closing_ends_the_iterator_of_another_thread_within_its_period(plate: slipline.Plate) -> None:
+    seen: list[object] = []
+    with slipline.connect() as device:
+        watching = threading.Thread(target=lambda: seen.extend(device.watch(60.0)), daemon=True)
+        watching.start()
+        device.wait(seconds=0.2)
+    watching.join(20.0)
+    assert not watching.is_alive() and len(seen) == 1
 
 
 #: Number of trials, and of programs that compute beside them; the night takes 200 at load 8.

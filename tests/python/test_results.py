@@ -104,6 +104,8 @@ def test_lights_tones_merits_and_arrays_become_tables(plate):
     assert list(simulated.to_pandas().turning_point_m) == [0.16, 0.2]
     assert isinstance(plate.merit(turning_point_m=0.16).to_pandas(), pandas.DataFrame)
     assert len(plate.table(knots=33).to_pandas()) == 33
+    # As many places as frequencies: a row is a frequency.
+    assert "position_m" not in plate.respond(np.linspace(100.0, 150.0, 9), points=9).to_pandas().columns
     with pytest.raises(ValueError, match="the result has the lists lights"):
         check.to_pandas("tones")
 

@@ -13,10 +13,12 @@ import time
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import dask
 import distributed
 import numpy as np
+import pandas
 import pytest
 import slipline
 import xarray
@@ -168,6 +170,7 @@ def test_another_specification_seed_chunk_or_version_is_refused(here: xarray.Dat
         ({"seed": 8}, "with seed = 7, not seed = 8"),
         ({"vary": {**SPEC["vary"], "loss_factor": {"log_normal": 0.2}}}, "log_normal = 0.3"),
         ({"plate": "membrane-heavy"}, "another study"),
+        ({"results": ["felt_edge_m"]}, r'another study, without results = \["felt_edge_m"\]; name'),
     ):
         with pytest.raises(slipline.BadFile, match=words):
             slipline.study.run({**SPEC, **change}, store=store)
@@ -192,13 +195,30 @@ def test_what_is_wrong_with_a_specification_is_named(tmp_path: Path) -> None:
         ({"turning_point_m": [0.12, 9.0]}, slipline.OutOfRange, r"turning_point_m\[1\]"),
         ({"vary": {"loss": {"normal": 0.1}}}, slipline.BadFile, "loss"),
         ({"sed": 1}, slipline.BadFile, "unknown field .sed."),
-        ({"plate": None}, TypeError, "a specification has no NoneType"),
+        ({"plate": None}, TypeError, "plate: a specification has no NoneType"),
+        ({"seed": "7"}, slipline.BadFile, "seed: invalid type: string"),
+        ({"vary": {"loss_factor": 5}}, slipline.BadFile, "vary: wanted string or table"),
+        ({"vary": {"loss_factor": {"normal": 1j}}}, TypeError, "vary.loss_factor.normal: a specification has no complex"),
+        ({"turning_point_m": np.ma.array([0.12, 0.2], mask=[0, 1])}, ValueError, "turning_point_m: .* leave the masked ones out"),
     ):
         with pytest.raises(error, match=words):
             slipline.study.run({**SPEC, **change}, store=tmp_path / "store")
-    for arguments, words in (({"chunk": 0}, "chunk = 0: must be 1 to 150"), ({"retries": -1}, "retries = -1: must be 0 to")):
+    for arguments, words in (
+        ({"chunk": 0}, "chunk = 0: must be 1 to 150"),
+        ({"chunk": 2.5}, "chunk = 2.5: must be 1 to 150"),
+        ({"chunk": True}, "chunk = True: must be 1 to 150"),
+        ({"chunk": "3"}, "chunk = '3': must be 1 to 150"),
+        ({"retries": -1}, "retries = -1: must be 0 to"),
+        ({"retries": None}, "retries = None: must be 0 to"),
+        ({"first_worker_s": "60"}, "first_worker_s = '60': must be 1 to 604800 s"),
+    ):
         with pytest.raises(slipline.OutOfRange, match=words):
             slipline.study.run(SPEC, store=tmp_path / "store", **arguments)
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text("seed = 'seven'\n")
+    with pytest.raises(slipline.BadFile, match="wrong.toml: line 1: invalid type: string"):
+        slipline.study.run(wrong, store=tmp_path / "store")
+    wrong.unlink()
     with pytest.raises(slipline.BadFile, match="none.toml: No such file"):
         slipline.study.run(tmp_path / "none.toml", store=tmp_path / "store")
     assert not list(tmp_path.iterdir())
@@ -208,6 +228,11 @@ def test_what_is_wrong_with_a_specification_is_named(tmp_path: Path) -> None:
     named = slipline.Plate.from_toml(slipline.Plate("membrane").to_toml().replace('"membrane"', r'"a \"b\\c\""', 1))
     fields = {**SPEC, "plate": named, "count": np.int64(1), "turning_point_m": np.array(SPEC["turning_point_m"])}
     assert slipline.study.plate(fields, 0).name == named.name
+    # Series of pandas and xarray, a file as a path.
+    (tmp_path / "named.toml").write_text(named.to_toml())
+    for places in (pandas.Series(SPEC["turning_point_m"], index=[7, 9, 8]), xarray.DataArray(SPEC["turning_point_m"])):
+        same = {**fields, "plate": tmp_path / "named.toml", "count": np.array(1), "turning_point_m": places}
+        assert slipline.study.plate(same, 0) == slipline.study.plate(fields, 0)
 
 
 def test_a_chunk_that_fails_is_tried_again_and_then_raises_with_a_store_that_goes_on(
@@ -263,6 +288,39 @@ def test_a_chunk_that_was_written_in_part_is_computed_again(here: xarray.Dataset
                 slipline.study.run(many(20), store=store)
         assert len(writes) == whole and "status" not in writes
         assert bits(slipline.study.run(many(20), store=store)) == few
+
+
+@pytest.mark.parametrize("name", ["level_db", "vary_loss_factor", "status"])
+@pytest.mark.parametrize("left", [None, 0, 5])
+def test_a_chunk_of_which_a_power_cut_has_left_a_part_is_computed_again(tmp_path: Path, name: str, left: int | None) -> None:
+    store = tmp_path / "study.zarr"
+    few = bits(slipline.study.run(many(20), store=store, chunk=8))
+    chunk, = (file for file in (store / name / "c").rglob("*") if file.is_file() and file.relative_to(store / name / "c").parts[0] == "1")
+    if left is None:
+        chunk.unlink()
+    else:
+        chunk.write_bytes(chunk.read_bytes()[:left])
+    assert bits(slipline.study.run(many(20), store=store)) == few
+
+
+INTERRUPTED = """
+import os, signal, threading
+import slipline
+
+vary = {"loss_factor": {"normal": 0.01}}
+objective = slipline.objective("membrane", {"taper.rate_per_m": (4.0, 5.5)}, turning_point_m=[0.12], vary=vary, count=1_000_000)
+for points in ([0.5], [[0.2], [0.5], [0.8]]):
+    try:
+        threading.Timer(0.3, os.kill, [os.getpid(), signal.SIGINT]).start()
+        objective(points)
+    except KeyboardInterrupt:
+        print("interrupted")
+"""
+
+
+def test_ctrl_c_ends_an_objective_however_many_plates_it_draws() -> None:
+    ended = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, timeout=60)
+    assert (ended.returncode, ended.stdout) == (0, "interrupted\n" * 2), ended.stderr
 
 
 #: A study of which no range from the fourth on is ever ready.
@@ -513,8 +571,18 @@ def test_an_objective_is_the_study_of_each_points_plate_and_the_same_from_thread
     for wrong, words in (([0.5], "2 coordinates"), ([[[0.5, 0.5]]], "2 coordinates")):
         with pytest.raises(ValueError, match=words):
             objective(wrong)
-    with pytest.raises(ValueError, match="lower and a higher bound"):
-        slipline.objective("membrane", {"loss_factor": (0.1, 0.1)}, turning_point_m=[0.2], vary=vary)
+    bounds: Any
+    for bounds in ({"loss_factor": (0.1, 0.1)}, {"loss_factor": 0.1}, {"loss_factor": (0.1, np.inf)}, {}, 5):
+        with pytest.raises(ValueError, match="lower and a higher bound"):
+            slipline.objective("membrane", bounds, turning_point_m=[0.2], vary=vary)
+    with pytest.raises(TypeError, match="los_factor .did you mean loss_factor"):
+        slipline.objective("membrane", {"los_factor": (0.1, 0.2)}, turning_point_m=[0.2], vary=vary)
+    with pytest.raises(ValueError, match="cost = None: must be a function of the results felt_edge_m"):
+        slipline.objective("membrane", numbers, turning_point_m=[0.2], vary=vary, results=["felt_edge_m"])
+    with pytest.raises(ValueError, match="3 coordinates|2 coordinates"):
+        objective.plate([0.5, 0.5, 0.5])
+    with pytest.raises(ValueError, match="taper.rate_per_m: the plate 'tungsten-membrane' has no such number"):
+        objective.point(slipline.Plate("tungsten-membrane"))
     with pytest.raises(slipline.OutOfRange, match="turning_point_m"):
         slipline.objective("membrane", numbers, turning_point_m=[9.0], vary=vary)
 

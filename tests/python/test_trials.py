@@ -204,7 +204,8 @@ def test_subjects_sessions_tasks_and_runs_have_files_of_their_own(device, tmp_pa
 def test_a_file_of_something_else_is_not_touched(device, tmp_path):
     path = events(tmp_path)
     path.parent.mkdir(parents=True)
-    for text in ["onset\tduration\n1\t2\n", "", "\t".join(trials.COLUMNS) + "\n1\t2\n"]:
+    header, row = ("\t".join(cells) for cells in (trials.COLUMNS, ["n/a"] * len(trials.COLUMNS)))
+    for text in ["onset\tduration\n1\t2\n", "", f"{header}\n1\t2\n", f"{header}\n{row}"]:
         path.write_text(text)
         with pytest.raises(slipline.BadFile, match="events.tsv"):
             run(device(), LIST, lambda trial: True, tmp_path)

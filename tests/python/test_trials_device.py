@@ -111,3 +111,26 @@ def test_a_list_is_checked_on_the_plate_in_use(device, tmp_path):
     with pytest.raises(slipline.OutOfRange, match="trial 2: felt_edge_m = 0.9 m: must be"):
         run(device, [{"felt_edge_m": 0.21}, {"felt_edge_m": 0.9}], lambda trial: True, tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("trial", [{"timeout_s": 600.0}, {"duration_s": 90.0, "response_time_from": "onset"}])
+def test_an_answer_is_asked_for_at_the_onset_however_far_the_end_is(device, tmp_path, trial):
+    """The device takes an end up to a minute ahead; a longer tone has its end sent while the answer may come."""
+
+    class Leaves(Exception):
+        pass
+
+    def leave(trial):
+        # The calls of the trial before it: half a minute is what only a wait for the end takes.
+        assert device.status().now_samples - trial["at_samples"] < 30 * device.sample_rate_hz
+        raise Leaves
+
+    place = {"turning_point_m": 0.16}
+    with pytest.raises(Leaves):
+        run(device, [{**place, **trial}], leave, tmp_path)
+    # The end that was to come does not end what sounds later.
+    device.wait(seconds=0.1)
+    assert device.status().state == "Armed"
+    if "duration_s" not in trial:
+        row, = run(device, [{**place, **trial}], lambda trial: True, tmp_path)
+        assert 0 < float(row["duration"]) < 30 and row["timed_out"] == "no"

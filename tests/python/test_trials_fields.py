@@ -3,6 +3,7 @@
 import itertools
 import json
 
+import numpy as np
 import pytest
 
 import slipline
@@ -22,6 +23,7 @@ PLATE = slipline.Plate("membrane")
         ({**PLACE, "frequency": 120.0}, "frequency: did you mean frequency_hz?"),
         ({**PLACE, "timeout_ms": 120.0}, "timeout_ms: did you mean timeout_s?"),
         ({**PLACE, "response": 1}, "response: the run writes this column itself"),
+        ({**PLACE, "number": 7}, "number: the run writes this column itself"),
         ({**PLACE, "my column": 1}, "has letters, digits and _"),
         ({**PLACE, "list": [1]}, "one number, text or truth value"),
         ({**PLACE, "duration_s": 0.0}, "duration_s = 0.0: must be above 0, up to 600 s"),
@@ -29,6 +31,8 @@ PLATE = slipline.Plate("membrane")
         ({**PLACE, "level": 1.5}, "level = 1.5: must be 0 to 1"),
         ({**PLACE, "level": True}, "level = True: must be a number"),
         ({"felt_edge_m": float("inf")}, "felt_edge_m = inf"),
+        ({"felt_edge_m": 10**400}, "felt_edge_m = 10*: must be 0 or above, and finite"),
+        ({**PLACE, "duration_s": 10**400}, "duration_s = 10*: must be"),
         ({**PLACE, "trial_type": "a\tb"}, "one line without tabs"),
         ({**PLACE, "iti_s": (2, 1)}, "must not be above the second"),
         ({**PLACE, "iti_s": (1, 2)}, "a range needs a seed"),
@@ -75,7 +79,7 @@ def test_the_trials_of_an_iterator_are_taken_one_at_a_time(device, tmp_path):
 
 
 def test_a_generator_gets_each_answer_and_the_same_ones_when_it_goes_on(device, tmp_path):
-    given = [True, False, 3, 2.5, "left", None, {"response": "right", "sure": 1}, "7"]
+    given = [True, False, 3, 2.5, "left", None, {"response": "right", "sure": 1}, "7", "1_0", "\u0667"]
     sent = []
 
     def generator():
@@ -94,7 +98,8 @@ def test_a_generator_gets_each_answer_and_the_same_ones_when_it_goes_on(device, 
     sent.clear()
     leaves = None
     rows = run(device(), generator(), respond, tmp_path)
-    assert sent == [True, False, 3, 2.5, "left", None, "right", 7] and [row["sure"] for row in rows] == ["n/a"] * 6 + ["1", "n/a"]
+    assert sent == [True, False, 3, 2.5, "left", None, "right", 7, "1_0", "\u0667"]
+    assert [row["sure"] for row in rows] == ["n/a"] * 6 + ["1"] + ["n/a"] * 3
 
 
 @pytest.mark.parametrize(
@@ -116,6 +121,13 @@ def test_a_catch_trial_is_a_tone_of_level_0_with_the_times_of_any_other(device, 
     assert (row["level"], row["response"], row["frequency_hz"]) == ("0.0", "no", "n/a")
     assert row["felt_edge_m"] == ("0.21" if trial.get("felt_edge_m") else "n/a")
     assert (row["duration"], row["at_samples"]) == (loud["duration"], loud["at_samples"])
+
+
+def test_an_empty_cell_of_a_table_is_a_field_that_is_not_given(device, tmp_path):
+    empty = dict.fromkeys(("tones", "texture", "intervals", "gap_s", "timeout_s", "iti_s", "trial_type", "response_time_from"), float("nan"))
+    rows = run(device(), [{**empty, **PLACE, "duration_s": 0.5}], lambda trial: True, tmp_path)
+    wanted = run(device(), [{**PLACE, "duration_s": 0.5}], lambda trial: True, tmp_path, task="wanted")
+    assert rows == wanted and rows[0]["trial_type"] == "trial"
 
 
 def test_tones_and_textures_have_their_parts_in_the_column_played(device, tmp_path):
@@ -195,6 +207,15 @@ def test_no_answer_of_a_dictionary_is_lost(device, tmp_path):
     names = ("response", "answer_onset", "hand", "answer_hand", "answer_how_sure")
     assert [row[name] for name in names] == ["1", "2", "right", "left", "3"]
     assert json.loads(row["texts"]) == ["a", "b"] and row["onset"] == "0.0"
+    # A long array, of which NumPy's own text leaves most out.
+    samples = np.arange(2000.0)
+    row, = run(device(), [PLACE], lambda trial: {"track": samples, "both": {"x": samples}}, tmp_path, task="long")
+    assert json.loads(row["track"]) == json.loads(row["both"])["x"] == samples.tolist()
+    # Names that become the same one.
+    answer = {"a-b": 1, "a b": 2, "answer_onset": 3, "onset": 4, "hand": 5}
+    row, = run(device(), [{**PLACE, "hand": 6, "answer_hand": 7}], lambda trial: answer, tmp_path, task="same")
+    names = ("answer_a_b", "answer_a_b_2", "answer_onset", "answer_onset_2", "hand", "answer_hand", "answer_hand_2")
+    assert [row[name] for name in names] == ["1", "2", "3", "4", "6", "7", "5"]
 
 
 def test_a_column_that_is_new_is_na_in_the_rows_before(device, tmp_path):

@@ -70,10 +70,21 @@ def test_no_more_than_n_alike_follow_each_other_in_a_block(device, tmp_path):
     for more, message in [
         ({"max_alike": 2}, "only with a seed"),
         ({"max_alike": 0, "seed": 1}, "a whole number from 1"),
+        ({"run": np.int64(0)}, "a whole number from 1"),
+        ({"break_every": 1.5, "take_break": print}, "a whole number from 1"),
+        ({"columns": {"sure": 5}}, "columns = {'sure': 5}: must be a dictionary"),
+        ({"take_break": 5}, "take_break = 5: must be a function"),
+        ({"columns": 5}, "columns = 5: must be a dictionary"),
         ({"max_alike": 3, "seed": 1, "alike": "block"}, "8 of 8 trials have block = 1"),
     ]:
         with pytest.raises(slipline.OutOfRange, match=message):
             run(device(), trials_, lambda trial: True, tmp_path / "x", **more)
+    with pytest.raises(slipline.OutOfRange, match="respond = None: must be a function"):
+        run(device(), trials_, None, tmp_path / "x")
+    assert not (tmp_path / "x").exists()
+    # Numbers of NumPy, as of a table.
+    numbers = {"seed": np.int64(9), "max_alike": np.int64(2), "break_every": np.int64(9), "take_break": len, "run": np.int64(2)}
+    assert [row["trial_type"] for row in run(device(), trials_, lambda trial: True, tmp_path, **numbers)] == kinds
     with pytest.raises(slipline.OutOfRange, match="have their own order"):
         run(device(), iter(trials_), lambda trial: True, tmp_path / "x", max_alike=1, seed=1)
 

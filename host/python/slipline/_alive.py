@@ -10,6 +10,7 @@ import atexit
 import logging
 import threading
 import time
+import traceback
 import weakref
 from typing import TYPE_CHECKING
 
@@ -30,21 +31,30 @@ def begin(device: Device) -> None:
     """Gives signs of life for this device until it is closed or collected."""
     _devices.add(device)
     reference = weakref.ref(device)
-    threading.Thread(target=_sign, args=(reference,), name="slipline alive", daemon=True).start()
+    # Two threads: a handler of the program's that is slow, or fails, must not keep a sign back.
+    for target, name in ((_sign, "slipline alive"), (_write_log, "slipline log")):
+        threading.Thread(target=target, args=(reference,), name=name, daemon=True).start()
 
 
 def _sign(reference: weakref.ref[Device]) -> None:
-    while True:
-        device = reference()
-        if device is None:
-            return
-        lives = device._sign()
-        for level, line in device._log():
-            _logger.log(level, "%s", line)
-        if not lives:
-            return
+    while (device := reference()) is not None and device._sign():
         # Held no longer than for the sign, so that the device can be collected.
         del device
+        time.sleep(_PERIOD_S)
+
+
+def _write_log(reference: weakref.ref[Device]) -> None:
+    while (device := reference()) is not None:
+        is_last = device.closed
+        lines = device._log()
+        del device
+        for level, line in lines:
+            try:
+                _logger.log(level, "%s", line)
+            except Exception:  # A filter's or a handler's own: the lines after it are written.
+                traceback.print_exc()
+        if is_last:
+            return
         time.sleep(_PERIOD_S)
 
 

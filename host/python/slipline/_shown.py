@@ -99,7 +99,10 @@ def columns(fields: dict[str, Any]) -> Any:
     """A ``pandas.DataFrame`` of the arrays of one length, the commonest."""
     import pandas  # type: ignore[import-untyped]
 
-    arrays = {name: value for name, value in fields.items() if isinstance(value, np.ndarray) and value.ndim == 1}
+    of_several = np.ndim(fields.get("amplitude", 0.0)) == 2
+    # Of several frequencies a row is one of them, which has no place: as many places as frequencies would look like one each.
+    kept = {name: value for name, value in fields.items() if not (of_several and name == "position_m")}
+    arrays = {name: value for name, value in kept.items() if isinstance(value, np.ndarray) and value.ndim == 1}
     lengths = [value.size for value in arrays.values()]
     if not lengths:
         raise ValueError("the result has no arrays and no lists of results")

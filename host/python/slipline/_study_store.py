@@ -9,6 +9,7 @@ would cost as much of the one thread that writes as its plates cost the others.
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import shutil
 import warnings
@@ -54,12 +55,34 @@ class StudyStore:
         return cls(path, group, study)
 
     def due(self) -> list[tuple[int, int]]:
-        """The ranges that have no results yet, as (first, end); with those at which a worker has failed."""
-        status = self._group["status"][:]
-        status = np.where(status == self._worker_failed, 0, status)
+        """The ranges that have no results yet, as (first, end); with those at which a worker has failed, and those of which a power
+        cut or a copy has left a part."""
         step = int(self._group["status"].chunks[0])
         spans = [(first, min(first + step, self.count)) for first in range(0, self.count, step)]
-        return [(first, end) for first, end in spans if not status[first:end].all()]
+        whole = [self._is_whole(span) for span in spans]
+        status = self._group["status"][:]
+        status = np.where(status == self._worker_failed, 0, status)
+        return [(first, end) for (first, end), is_whole in zip(spans, whole) if not (is_whole and status[first:end].all())]
+
+    def _is_whole(self, span: tuple[int, int]) -> bool:
+        """Whether each array has this chunk in its whole size; the status of one that is not is removed, so that it can be read."""
+        for name, array in self._arrays.items():
+            if array.compressors or array.shards:
+                # As of a store of an earlier version, whose chunks have no known size.
+                return True
+            try:
+                is_whole = self._file(name, span).stat().st_size == math.prod(array.chunks) * array.dtype.itemsize
+            except FileNotFoundError:
+                is_whole = False
+            if not is_whole:
+                self._file("status", span).unlink(missing_ok=True)
+                return False
+        return True
+
+    def _file(self, name: str, span: tuple[int, int]) -> Path:
+        """The file of a chunk by the Zarr specification 3: c/i or c/i/0."""
+        array = self._arrays[name]
+        return self._path.joinpath(name, "c", str(span[0] // array.chunks[0]), *["0"] * (array.ndim - 1))
 
     def write(self, span: tuple[int, int], results: Any) -> None:
         """Writes the results of a range, its status last."""
@@ -81,10 +104,10 @@ class StudyStore:
             # As of a store of an earlier version.
             array[slice(*span)] = values
             return
-        # The file of the Zarr specification 3: c/i or c/i/0, little-endian, row by row, the last chunk as large as the others.
+        # Little-endian, row by row, the last chunk as large as the others.
         chunk = np.full(array.chunks, array.fill_value, array.dtype.newbyteorder("<"))
         chunk[: span[1] - span[0]] = values
-        file = self._path.joinpath(name, "c", str(span[0] // array.chunks[0]), *["0"] * (array.ndim - 1))
+        file = self._file(name, span)
         file.parent.mkdir(parents=True, exist_ok=True)
         part = file.with_name(f"{file.name}.part")
         part.write_bytes(chunk.tobytes())
@@ -107,10 +130,12 @@ def _difference(name: str, kept: Any, wanted: str) -> str:
     """What differs, in words: of two specifications the first line that does."""
     if name != "spec":
         return f"its {name} is {kept}, not {wanted}"
-    for its_line, line in zip(str(kept).splitlines(), wanted.splitlines()):
-        if its_line != line:
-            return f"with {its_line}, not {line}"
-    return "its specification has other lines"
+    its_lines, lines = str(kept).splitlines(), wanted.splitlines()
+    its_own = next((line for line in its_lines if line and line not in lines), "")
+    own = next((line for line in lines if line and line not in its_lines), "")
+    if its_own and own:
+        return f"with {its_own}, not {own}"
+    return f"with {its_own}" if its_own else f"without {own}" if own else "its specification has another order"
 
 
 def _make(path: Path, study: _Study, chunk: int) -> None:

@@ -6,6 +6,7 @@ import difflib
 import json
 import math
 import re
+import sys
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from .errors import OutOfRange
 from .results import Texture
 from .staircase import PLACES
 
-__all__ = ["Sound", "Trial", "check_on_plate", "checked"]
+__all__ = ["Sound", "Trial", "check_on_plate", "checked", "whole"]
 
 #: The fields of what sounds, in a trial or in one of its intervals.
 SOUND = (*PLACES, "level", "tones", "texture", "duration_s")
@@ -88,17 +89,17 @@ def checked(given: Mapping[str, Any], reserved: Iterable[str] = ()) -> Trial:
     own = {field: value for field, value in given.items() if field not in FIELDS}
     for field, value in own.items():
         _check_own(field, value, set(reserved))
-    trial_type = str(given.get("trial_type", "trial"))
+    trial_type = _text(given, "trial_type", "trial")
     if not trial_type.strip() or any(ord(letter) < 32 for letter in trial_type):
         raise OutOfRange(f"trial_type = {trial_type!r}: must be one line without tabs", "trial_type", trial_type)
     intervals = given.get("intervals")
-    if intervals is None:
+    if not _is_given(intervals):
         if _is_given(given.get("gap_s")):
             raise OutOfRange("gap_s: only a trial with intervals has a gap", "gap_s", given["gap_s"])
         sounds: tuple[Sound, ...] = (_sound(given),)
     else:
         sounds = _intervals(given, intervals)
-    response_time_from = str(given.get("response_time_from", "call"))
+    response_time_from = _text(given, "response_time_from", "call")
     if response_time_from not in NAMED_ONSETS:
         text = f"response_time_from = {response_time_from!r}: must be one of {', '.join(NAMED_ONSETS)}"
         raise OutOfRange(text, "response_time_from", response_time_from)
@@ -161,7 +162,7 @@ def _sound(fields: Mapping[str, Any]) -> Sound:
     duration_s = _duration("duration_s", fields.get("duration_s"))
     level = fields.get("level")
     tones = fields.get("tones")
-    tones = () if tones is None else tones
+    tones = tones if _is_given(tones) else ()
     if isinstance(tones, (str, Mapping)) or not isinstance(tones, Sequence):
         raise OutOfRange("tones: must be a list of dictionaries, one for each tone", "tones", tones)
     own = [_tone(fields)] if any(field in fields for field in PLACES) or not tones else []
@@ -217,13 +218,28 @@ def _is_given(value: Any) -> bool:
     return not (value is None or (isinstance(value, (float, np.floating)) and math.isnan(value)))
 
 
+def _text(fields: Mapping[str, Any], field: str, usual: str) -> str:
+    value = fields.get(field)
+    return str(value) if _is_given(value) else usual
+
+
 def _number(field: str, value: Any, low: float, high: float) -> float:
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise OutOfRange(f"{field} = {value!r}: must be a number", field, value)
-    if not low <= value <= high or math.isinf(value):
+    # A whole number may be beyond the largest float.
+    if not low <= value <= high or not -sys.float_info.max <= value <= sys.float_info.max:
         allowed = "0 or above, and finite" if math.isinf(high) else f"{low:g} to {high:g}"
         raise OutOfRange(f"{field} = {value}: must be {allowed}", field, value, low, high)
     return float(value)
+
+
+def whole(field: str, value: Any) -> int | None:
+    """A whole number from 1, or ``None``: also one of NumPy."""
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
+        raise OutOfRange(f"{field} = {value!r}: must be None or a whole number from 1", field, value)
+    return int(value)
 
 
 def _duration(field: str, value: Any) -> float | None:

@@ -29,8 +29,6 @@ def events_path(folder: Path, subject: str, session: str, task: str, run: int | 
         if not isinstance(label, str) or not re.fullmatch("[A-Za-z0-9]+", label):
             raise OutOfRange(f"{field} = {label!r}: must be a text of letters and digits", field, label)
     if run is not None:
-        if isinstance(run, bool) or not isinstance(run, int) or run < 1:
-            raise OutOfRange(f"run = {run!r}: must be None or a whole number from 1", "run", run)
         names["run"] = str(run)
     name = "_".join(f"{key}-{label}" for key, label in names.items())
     return folder / f"sub-{subject}" / f"ses-{session}" / "beh" / f"{name}_events.tsv"
@@ -115,6 +113,11 @@ def replace(path: Path, text: str) -> None:
             os.close(descriptor)
 
 
+def _plain(value: Any) -> Any:
+    """A value that ``json`` does not know. The text of a long array would leave most of it out."""
+    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else str(value)
+
+
 def cell(value: Any) -> str:
     """A value as a cell of a row: what has none is n/a."""
     if value is None or (isinstance(value, (float, np.floating)) and math.isnan(value)):
@@ -123,7 +126,7 @@ def cell(value: Any) -> str:
         return "yes" if value else "no"
     if isinstance(value, (float, np.floating)):
         return repr(float(value))
-    if isinstance(value, (dict, list, tuple)):
-        return json.dumps(value, separators=(",", ":"), default=str)
+    if isinstance(value, (dict, list, tuple, np.ndarray)):
+        return json.dumps(value, separators=(",", ":"), default=_plain)
     # A tab or a line break in an answer would make another row of it.
     return " ".join(str(value).split()) or "n/a"

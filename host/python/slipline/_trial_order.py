@@ -26,8 +26,6 @@ def ordered(trials: Sequence[Trial], seed: int | None, max_alike: int | None, al
     Trials of the same ``block`` stay together, and the blocks in their order. With ``max_alike``, no more trials than that follow
     each other in a block whose field ``alike`` has the same value.
     """
-    if max_alike is not None and (isinstance(max_alike, bool) or not isinstance(max_alike, int) or max_alike < 1):
-        raise OutOfRange(f"max_alike = {max_alike!r}: must be None or a whole number from 1", "max_alike", max_alike)
     if seed is None:
         if max_alike is not None:
             raise OutOfRange(f"max_alike = {max_alike}: the order is random only with a seed", "max_alike", max_alike)

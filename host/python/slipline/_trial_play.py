@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import time
 from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Future
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from ._trial_fields import Sound, Trial
+from ._waiting import on_a_thread
 from .errors import Refused
 from .staircase import PLACES
 
@@ -16,6 +20,10 @@ __all__ = ["ANSWERED", "Played", "Player", "columns_of"]
 
 #: The columns of the run that an answer function may give itself: the response time of a keyboard, as an example.
 ANSWERED = ("response", "response_time")
+#: The device takes an end up to a minute ahead; ``stop`` waits with one farther ahead than 50 s.
+_AHEAD_S = 45.0
+#: An end is at the first sample of a block of this size.
+_BLOCK = 128
 
 
 @dataclass
@@ -42,6 +50,13 @@ class _Interval:
     at_samples: int
     #: Where it fades; ``None`` until the answer.
     end: int | None
+    #: What sends that end, where it is too far ahead for the device.
+    later: Future[int] | None = None
+
+    def check_end(self) -> None:
+        """Raises why the end could not be sent, if it could not."""
+        if self.later is not None and self.later.done():
+            self.later.result()
 
     def asked_tone(self) -> dict[str, float]:
         """Its first tone that sounds, or else the first one."""
@@ -79,12 +94,16 @@ class Player:
         device, rate_hz = self._device, float(self._device.sample_rate_hz)
         if (rest_s := self._ended_s + iti_s - time.monotonic()) > 0:
             device.wait(seconds=rest_s)
+        has_end = trial.sounds[-1].duration_s is not None
+        # An answer that counts from an onset is one that may come while the tone sounds.
+        while_it_sounds = not has_end or trial.response_time_from in ("onset", "last_onset")
         intervals: list[_Interval] = []
-        for sound in trial.sounds:
+        for number, sound in enumerate(trial.sounds, 1):
             if intervals:
                 device.wait((intervals[-1].end or 0) + round(trial.gap_s * rate_hz))
             length_s = trial.timeout_s if sound.duration_s is None else sound.duration_s
-            intervals.append(self._begin(sound, length_s, rate_hz))
+            is_answered = while_it_sounds and number == len(trial.sounds)
+            intervals.append(self._begin(sound, length_s, rate_hz, is_answered))
         first, last = intervals[0], intervals[-1]
         before_s = time.monotonic()
         status = device.status()
@@ -93,15 +112,18 @@ class Player:
         def host_s(at_samples: int) -> float:
             return now_s - (now_samples - at_samples) / rate_hz
 
-        has_end = last.sound.duration_s is not None
-        # An answer that counts from an onset is one that may come while the tone sounds.
-        while_it_sounds = not has_end or trial.response_time_from in ("onset", "last_onset")
         if not while_it_sounds and last.end is not None:
             # A stop of another thread ends it before.
             last.end = min(last.end, device.wait(last.end))
         shown = {**shown, **self._places(first), "at_samples": first.at_samples}
         called_s = time.monotonic()
-        answer = self._respond(shown)
+        try:
+            answer = self._respond(shown)
+        except BaseException:
+            if last.later is not None:
+                # An end that is sent later would end what sounds then.
+                device.stop()
+            raise
         answered_s = time.monotonic()
         error: BaseException | None = None
         try:
@@ -110,6 +132,7 @@ class Player:
                 last.end = stopped if last.end is None else min(last.end, stopped)
             elif while_it_sounds and last.end is not None:
                 last.end = min(last.end, device.wait(last.end))
+                last.check_end()
         except BaseException as raised:  # The answer is not lost by it.
             error = raised
         named = {"onset": host_s(first.at_samples), "last_onset": host_s(last.at_samples), "call": called_s}
@@ -138,17 +161,24 @@ class Player:
         unix_s = time.time() - (self._ended_s - onset_s)
         return Played(values, answer, str(status.unit), rate_hz, unix_s, onset_s, error)
 
-    def _begin(self, sound: Sound, length_s: float | None, rate_hz: float) -> _Interval:
+    def _begin(self, sound: Sound, length_s: float | None, rate_hz: float, is_answered: bool) -> _Interval:
+        """Begins a sound of this length; ``is_answered`` while it sounds."""
         drive = self._drive(sound)
         if drive.superseded:
             raise Refused("the trial's drive never began: another thread drives or stops the device")
         at_samples = int(drive.at_samples)
-        end = None
+        end, later = None, None
         if length_s is not None:
-            # Before it has begun: the end is then at its sample, whatever this program is doing.
-            end = self._device.stop(at=at_samples + round(length_s * rate_hz))
+            end = at_samples + round(length_s * rate_hz)
+            if is_answered and length_s > _AHEAD_S:
+                # The answer must not wait until the end can be sent.
+                end = -(-end // _BLOCK) * _BLOCK
+                later = on_a_thread(partial(self._device.stop, at=end))
+            else:
+                # Before it has begun: the end is then at its sample, whatever this program is doing.
+                end = self._device.stop(at=end)
         self._device.wait(drive)
-        return _Interval(sound, drive, at_samples, end)
+        return _Interval(sound, drive, at_samples, end, later)
 
     def _drive(self, sound: Sound) -> Any:
         if sound.texture is not None:
@@ -175,16 +205,23 @@ class Player:
 def columns_of(answer: Any, taken: Iterable[str]) -> dict[str, Any]:
     """The columns of what an answer function returned: ``response``, and those of a dictionary.
 
-    No answer is lost: a name that is taken, or cannot be that of a column, begins with ``answer_``.
+    No answer is lost: a name that is taken, or cannot be that of a column, begins with ``answer_``, and ends in ``_2`` where that
+    is taken, too.
     """
     if not isinstance(answer, Mapping):
         return {"response": answer}
-    taken = set(taken)
-    columns = {"response": None}
+    columns = {"response": None, **{name: answer[name] for name in ANSWERED if name in answer}}
+    taken = {*taken, *columns}
     for name, value in answer.items():
+        if name in ANSWERED:
+            continue
         column = re.sub("[^A-Za-z0-9_]", "_", str(name))
-        is_free = column == name and column not in taken and column.isidentifier()
-        columns[column if is_free or name in ANSWERED else f"answer_{column}"] = value
+        if column != name or column in taken or not column.isidentifier():
+            column = f"answer_{column}"
+        numbered = (column if number == 1 else f"{column}_{number}" for number in itertools.count(1))
+        column = next(name for name in numbered if name not in taken)
+        taken.add(column)
+        columns[column] = value
     return columns
 
 

@@ -97,6 +97,9 @@ class Table:
             if len(cells) != len(header):
                 raise BadFile(f"{path}, line {number}: it has {len(cells)} cells, not {len(header)}")
             self.rows.append(dict(zip(header, cells)))
+        # One with all its cells may be whole: an editor leaves the last line end out.
+        if text[len(whole) :].count(b"\t") == len(header) - 1:
+            raise BadFile(f"{path}, line {len(lines) + 1}: it has no line end: add one, or remove the line where it is cut")
         description.take(COLUMNS, self.rows, self.names)
         if len(whole) != len(text):
             with path.open("r+b") as file:
@@ -160,7 +163,8 @@ class Axis:
     #: Most that both may differ between two trials: half a second, and a part in a thousand.
     TOLERANCE_S, TOLERANCE = 0.5, 1e-3
 
-    def __init__(self, rows: list[dict[str, str]]) -> None:
+    def __init__(self, rows: list[dict[str, str]], path: Path) -> None:
+        """The axis of these rows of the file ``path``."""
         # Where the device's clock was last compared with the axis: sample index and onset.
         self._anchor: tuple[int, float] | None = None
         # Of the latest trial: sample index, onset, unit, and the host's clock, which is the monotonic one in the same process.
@@ -171,7 +175,8 @@ class Axis:
                 at_samples, onset_s = int(row["at_samples"]), float(row["onset"])
                 unix_s = datetime.fromisoformat(row["date"]).timestamp()
             except ValueError:
-                raise BadFile("the latest row has no onset, at_samples or date that can be read") from None
+                text = f"{path}, line {len(rows) + 1}: its onset, at_samples or date cannot be read"
+                raise BadFile(text) from None
             self._anchor = (at_samples, onset_s)
             self._latest = (at_samples, onset_s, row["unit"], unix_s, False)
 
@@ -206,11 +211,13 @@ def answer_of(row: Mapping[str, str]) -> Any:
         return None
     if response in ("yes", "no"):
         return response == "yes"
-    for kind in (int, float):
-        try:
-            return kind(response)
-        except ValueError:
-            pass
+    # Python reads more as a number than a cell of one has: 1_000, and the digits of other scripts.
+    if response.isascii() and "_" not in response:
+        for kind in (int, float):
+            try:
+                return kind(response)
+            except ValueError:
+                pass
     return response
 
 

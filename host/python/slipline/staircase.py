@@ -20,6 +20,10 @@ __all__ = ["Staircase"]
 PLACES = ("felt_edge_m", "turning_point_m", "frequency_hz")
 
 
+#: Most numbers of one of the four tables of a staircase, 32 MB each.
+_CELLS_MAX = 4_000_000
+
+
 class Staircase:
     """Where the answer turns from no to yes, as the place of a line goes from ``low`` to ``high``.
 
@@ -28,8 +32,9 @@ class Staircase:
     the posterior, :attr:`deviation` the standard deviation of the threshold.
 
     ``place`` is the field that varies: ``felt_edge_m``, ``turning_point_m`` or ``frequency_hz``. ``points`` places from ``low`` to
-    ``high`` can be asked. ``spreads`` are those of the grid; by default seven, from a hundredth to a third of the range. What
-    ``fields`` holds (``level``, ``duration_s``, ``trial_type``, a column of your own) is that of every trial.
+    ``high`` can be asked, 2 to 2001, and up to 377 with seven ``spreads``. These are those of the grid; by default seven, from a
+    hundredth to a third of the range. What ``fields`` holds (``level``, ``duration_s``, ``trial_type``, a column of your own) is that
+    of every trial.
 
     ``slipline.trials.run`` takes a staircase in place of a list of trials, and several by ``slipline.trials.interleaved``. By hand::
 
@@ -53,7 +58,7 @@ class Staircase:
     ) -> None:
         if place not in PLACES:
             raise OutOfRange(f"place = {place!r}: must be one of {', '.join(PLACES)}", "place", place)
-        if not (_is_number(low) and _is_number(high) and math.isfinite(low) and math.isfinite(high) and low < high):
+        if not (is_number(low) and is_number(high) and math.isfinite(low) and math.isfinite(high) and low < high):
             raise OutOfRange(f"low = {low}, high = {high}: low must be below high", "low", low, high=high)
         _check("trials", trials, 1, 100_000)
         _check("points", points, 2, 2001)
@@ -64,9 +69,17 @@ class Staircase:
         _check("lapse", lapse, 0.0, 0.5)
         if spreads is None:
             spreads = np.geomspace((high - low) / 100, (high - low) / 3, 7)
-        grid = np.atleast_1d(np.asarray(spreads, dtype=float))
-        if grid.ndim != 1 or not np.all(np.isfinite(grid)) or not np.all(grid > 0):
+        try:
+            grid = np.atleast_1d(np.asarray(spreads, dtype=float))
+        except (TypeError, ValueError):
+            grid = np.empty(0)
+        if grid.ndim != 1 or grid.size == 0 or not np.all(np.isfinite(grid)) or not np.all(grid > 0):
             raise OutOfRange(f"spreads = {spreads}: must be numbers above 0", "spreads", spreads)
+        # The chance of a yes at each place, of each threshold and spread.
+        most = math.isqrt(_CELLS_MAX // (4 * grid.size))
+        if points > most:
+            text = f"points = {points} with {grid.size} spreads: must be 2 to {most}"
+            raise OutOfRange(text, "points", points, 2, most)
         self.place = place
         self.trials = int(trials)
         self.fields: Mapping[str, Any] = {"trial_type": "staircase", **fields}
@@ -122,7 +135,7 @@ class Staircase:
         if not isinstance(answer, (bool, np.bool_)):
             raise OutOfRange(f"answer = {answer!r}: must be True or False", "answer", answer)
         place: Any = trial.get(self.place)
-        if not _is_number(place):
+        if not is_number(place):
             raise OutOfRange(f"{self.place} = {place!r}: the trial must have a place of the staircase", self.place, place)
         off = np.abs(self.places - place)
         asked = int(np.argmin(off))
@@ -158,11 +171,11 @@ class Staircase:
 
 
 def _check(field: str, value: float, low: float, high: float) -> None:
-    if not _is_number(value) or not low <= value <= high:
+    if not is_number(value) or not low <= value <= high:
         raise OutOfRange(f"{field} = {value}: must be {low:g} to {high:g}", field, value, low, high)
 
 
-def _is_number(value: object) -> bool:
+def is_number(value: object) -> bool:
     return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
 
 

@@ -30,13 +30,14 @@ the next call tries again. A worker needs 100 MB besides Dask's own memory. On a
 from __future__ import annotations
 
 import os
+import re
 import sys
 import time
 import tomllib
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -44,6 +45,7 @@ from ._slipline import Plate, _Study
 from ._study_store import StudyStore
 from ._study_workers import ClusterWorkers, ThreadWorkers
 from .errors import BadFile, Error, OutOfRange
+from .staircase import is_number
 
 __all__ = ["plate", "run"]
 
@@ -87,13 +89,12 @@ def run(
     Raises ``OutOfRange`` and ``BadFile`` for the specification; ``BadFile`` if the store is that of another specification,
     seed, chunk or version of this package.
     """
-    study = _Study(spec_text(spec))
-    if not 0 <= retries <= _RETRIES_MAX:
-        raise OutOfRange(f"retries = {retries}: must be 0 to {_RETRIES_MAX}", "retries", retries, 0, _RETRIES_MAX)
-    if chunk is not None and not 1 <= chunk <= study.count:
-        raise OutOfRange(f"chunk = {chunk}: must be 1 to {study.count}", "chunk", chunk, 1, study.count)
-    if not 1 <= first_worker_s <= _WEEK_S:
-        raise OutOfRange(f"first_worker_s = {first_worker_s}: must be 1 to {_WEEK_S:.0f} s", "first_worker_s", first_worker_s, 1, _WEEK_S)
+    study = study_of(spec)
+    retries = _whole("retries", retries, 0, _RETRIES_MAX)
+    chunk = None if chunk is None else _whole("chunk", chunk, 1, study.count)
+    if not is_number(first_worker_s) or not 1 <= first_worker_s <= _WEEK_S:
+        text = f"first_worker_s = {first_worker_s!r}: must be 1 to {_WEEK_S:.0f} s"
+        raise OutOfRange(text, "first_worker_s", first_worker_s, 1, _WEEK_S)
     kept = StudyStore.open(Path(store), study, chunk, _usual_chunk(study.count, study.is_2d))
     due = kept.due()
     if due:
@@ -105,12 +106,18 @@ def run(
     return kept.dataset()
 
 
+def _whole(field: str, value: int, low: int, high: int) -> int:
+    if not is_number(value) or not low <= value <= high or value != int(value):
+        raise OutOfRange(f"{field} = {value!r}: must be {low} to {high}, a whole number", field, value, low, high)
+    return int(value)
+
+
 def plate(spec: Spec, i: int) -> Plate:
     """Plate ``i`` of a study, from 0.
 
     Raises ``OutOfRange`` if there is none, and for a number that the plate file refuses.
     """
-    return _Study(spec_text(spec)).plate(i)
+    return study_of(spec).plate(i)
 
 
 def _compute(
@@ -177,13 +184,30 @@ class _Progress:
             print(file=sys.stderr)
 
 
+def study_of(spec: Spec) -> _Study:
+    """The study of a specification. An error in it names the file, or the field of the dictionary."""
+    text = spec_text(spec)
+    try:
+        return _Study(text)
+    except BadFile as error:
+        if not isinstance(spec, Mapping):
+            raise BadFile(f"{os.fspath(spec)}: {error}") from error
+        # Each field is a line of its own.
+        line = re.match(r"line (\d+): ", str(error))
+        if line is None:
+            raise
+        raise BadFile(f"{list(spec)[int(line[1]) - 1]}: {str(error)[line.end():]}") from error
+
+
 def spec_text(spec: Spec) -> str:
     """The text of a specification: of a file, or of its fields."""
     if isinstance(spec, Mapping):
         fields = dict(spec)
         if isinstance(fields.get("plate"), Plate):
             fields["plate"] = tomllib.loads(fields["plate"].to_toml())
-        return "".join(f"{_toml(str(name))} = {_toml(value)}\n" for name, value in fields.items())
+        elif isinstance(fields.get("plate"), os.PathLike):
+            fields["plate"] = os.fspath(fields["plate"])
+        return "".join(f"{_toml(str(name))} = {_toml(value, str(name))}\n" for name, value in fields.items())
     path = Path(spec)
     try:
         with path.open("rb") as file:
@@ -193,8 +217,8 @@ def spec_text(spec: Spec) -> str:
         raise BadFile(f"{path}: {getattr(error, 'strerror', None) or error}") from error
 
 
-def _toml(value: object) -> str:
-    """A value in TOML."""
+def _toml(value: object, field: str = "") -> str:
+    """A value in TOML; ``field`` names it in an error."""
     if isinstance(value, str):
         escaped = value.replace("\\", "\\\\").replace('"', '\\"')
         return '"' + "".join(letter if ord(letter) > 31 and letter != "\x7f" else f"\\u{ord(letter):04x}" for letter in escaped) + '"'
@@ -205,7 +229,12 @@ def _toml(value: object) -> str:
     if isinstance(value, (float, np.floating)):
         return repr(float(value))
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_toml(str(name))} = {_toml(item)}" for name, item in value.items()) + " }"
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return "[" + ", ".join(_toml(item) for item in cast(Any, value)) + "]"
-    raise TypeError(f"a specification has no {type(value).__name__}: {value!r}")
+        return "{ " + ", ".join(f"{_toml(str(name))} = {_toml(item, f'{field}.{name}')}" for name, item in value.items()) + " }"
+    if hasattr(value, "__array__"):
+        if np.ma.is_masked(value):
+            raise ValueError(f"{field}: must be numbers: leave the masked ones out")
+        # Of NumPy, pandas or xarray: a list, or a number where it has no dimension.
+        return _toml(np.asarray(value).tolist(), field)
+    if isinstance(value, Sequence) and not isinstance(value, (bytes, bytearray)):
+        return "[" + ", ".join(_toml(item, field) for item in value) + "]"
+    raise TypeError(f"{field}: a specification has no {type(value).__name__}: {value!r}")

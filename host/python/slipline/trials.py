@@ -17,12 +17,12 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 
 from ._slipline import VERSION
-from ._trial_fields import FIELDS, Trial, check_on_plate, checked
+from ._trial_fields import FIELDS, Trial, check_on_plate, checked, whole
 from ._trial_files import Description, describe_dataset, events_path
 from ._trial_order import check_seed, interval_s, ordered
 from ._trial_play import ANSWERED, Played, Player, columns_of
@@ -32,8 +32,8 @@ from .staircase import Staircase
 
 __all__ = ["COLUMNS", "Interleaved", "Rows", "interleaved", "run"]
 
-#: What a trial may not name: the columns that the run writes.
-RESERVED = [column for column in COLUMNS if column not in FIELDS]
+#: What a trial may not name: the columns that the run writes, and what ``respond`` gets besides the trial.
+RESERVED = [*(column for column in COLUMNS if column not in FIELDS), "number"]
 
 
 class Interleaved:
@@ -78,12 +78,12 @@ def run(
     subject: str,
     task: str,
     session: str = "01",
-    run: int | None = None,
-    seed: int | None = None,
-    max_alike: int | None = None,
+    run: SupportsIndex | None = None,
+    seed: SupportsIndex | None = None,
+    max_alike: SupportsIndex | None = None,
     alike: str = "trial_type",
     practice: Iterable[Mapping[str, Any]] = (),
-    break_every: int | None = None,
+    break_every: SupportsIndex | None = None,
     take_break: Callable[[dict[str, Any]], Any] | None = None,
     columns: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Rows:
@@ -121,15 +121,22 @@ def run(
     row is written; after ``device.arm()`` the same call goes on.
     """
     check_seed(seed)
-    if break_every is not None and (isinstance(break_every, bool) or not isinstance(break_every, int) or break_every < 1):
-        raise OutOfRange(f"break_every = {break_every!r}: must be None or a whole number from 1", "break_every", break_every)
+    seed = None if seed is None else int(seed)
+    run, max_alike, break_every = whole("run", run), whole("max_alike", max_alike), whole("break_every", break_every)
     if break_every is not None and take_break is None:
         raise OutOfRange("break_every: needs take_break, which is called in the break", "break_every", break_every)
+    for field, function in (("respond", respond), ("take_break", take_break)):
+        if not callable(function) and (field, function) != ("take_break", None):
+            raise OutOfRange(f"{field} = {function!r}: must be a function of the trial", field, function)
+    columns = {} if columns is None else columns
+    if not isinstance(columns, Mapping) or not all(isinstance(entry, Mapping) for entry in columns.values()):
+        text = f'columns = {columns!r}: must be a dictionary such as {{"sure": {{"Description": ".."}}}}'
+        raise OutOfRange(text, "columns", columns)
     plate = getattr(device, "plate", None)
     first = _checked_list(practice, plate, seed)
     source = _source(trials, seed, max_alike, alike, plate)
     path = events_path(Path(folder), subject, session, task, run)
-    description = Description(path.with_suffix(".json"), task, VERSION, columns or {})
+    description = Description(path.with_suffix(".json"), task, VERSION, columns)
     table = Table(path, description)
     describe_dataset(Path(folder), VERSION)
     runner = _Runner(device, respond, take_break, break_every, table, {"session": session, "seed": seed}, len(first))
@@ -168,7 +175,7 @@ class _Runner:
         self._take_break = take_break
         self._break_every = break_every
         self._table = table
-        self._axis = Axis(table.rows)
+        self._axis = Axis(table.rows, table.path)
         self._first = len(table.rows)
         self._practice = practice
         part = table.rows[-1]["part"] if table.rows else "0"
