@@ -13,6 +13,7 @@ pub mod fields;
 mod file;
 pub(crate) mod film;
 pub(crate) mod frame;
+mod frame_motion;
 pub(crate) mod free_wave;
 mod grading;
 mod harmonic_of_codes;
