@@ -1,5 +1,6 @@
 """Arguments in the forms that a lab has them, and those that no call takes. No length ends the interpreter."""
 
+import math
 import subprocess
 import sys
 from fractions import Fraction
@@ -100,6 +101,46 @@ def test_a_place_in_millimetres_is_asked_about(plate):
     with pytest.raises(slipline.OutOfRange) as refused:
         plate.check(turning_point_m=0.9)
     assert "did you mean" not in str(refused.value)
+    # No length, though its name ends as one.
+    with pytest.raises(slipline.OutOfRange) as refused:
+        plate.replace(taper={"rate_per_m": 4620.0})
+    assert "did you mean" not in str(refused.value)
+
+
+def test_a_number_out_of_its_range_is_refused_by_the_name_of_its_argument(plate, tmp_path):
+    table = tmp_path / "other.csv"
+    rows = [f"{frequency_hz},1,2" for frequency_hz in np.linspace(90.0, 200.0, 16)]
+    table.write_text("\n".join(["Frequency (Hz),Magnitude (dB),Phase (deg)", *rows]) + "\n")
+
+    def read(**more):
+        return slipline.Measurement.read(table, **{"plate": plate, "place_m": 0.03, "kind": "velocity", **more})
+
+    assert read().frequency_hz.size == 16
+    with slipline.connect("sim", actual_plate=plate, sensor_m=0.1) as device:
+        device.use(plate)
+        for field, value, call in (
+            ("points", -1, lambda: plate.respond(126.0, points=-1)),
+            ("knots", -1, lambda: plate.table(knots=-1)),
+            ("tones", -1, lambda: plate.texture(solid_m=0.25, tones=-1)),
+            ("tones", 256, lambda: device.verify(tones=256)),
+            ("points", -8, lambda: device.measure(0.1, points=-8)),
+            ("low_hz", math.nan, lambda: device.measure(0.1, low_hz=math.nan)),
+            ("high_hz", 1.0, lambda: device.measure(0.1, high_hz=1.0)),
+            ("high_hz", 1.0, lambda: device.sweep(tmp_path / "sweep.toml", high_hz=1.0)),
+            ("duration_s", 0.05, lambda: device.sweep(tmp_path / "sweep.toml", duration_s=0.05)),
+            ("turning_point_m", math.nan, lambda: device.drive(tones=[{"turning_point_m": math.nan}])),
+            ("sensor_m", 34.0, lambda: slipline.connect("sim", actual_plate=plate, sensor_m=34.0)),
+            ("channel", 0, lambda: read(channel=0)),
+            ("place_m", 30.0, lambda: read(place_m=30.0)),
+            ("snr_db", -1.0, lambda: read(snr_db=-1.0)),
+        ):
+            with pytest.raises(slipline.OutOfRange, match=f"^{field} = ") as refused:
+                call()
+            assert refused.value.field == field and math.isfinite(refused.value.low) and math.isfinite(refused.value.high), field
+            assert refused.value.value == value or math.isnan(value)
+        assert device.status().state == "Idle"
+    with pytest.raises(slipline.Refused, match="^sensor = .bogus.: must be one of displacement"):
+        slipline.Measurement.from_arrays(np.linspace(90.0, 200.0, 16), np.ones(16), place_m=0.03, sensor="bogus")
 
 
 LENGTHS = """
@@ -115,6 +156,11 @@ class Long:
     def __iter__(self): return iter(())
 
 plate = slipline.Plate("membrane")
+endless, deep = {}, {}
+endless["taper"] = endless
+inner = deep
+for _ in range(100_000):
+    inner["taper"] = inner = {}
 measurement = slipline.Measurement.from_arrays(np.linspace(90.0, 200.0, 16), np.ones(16), place_m=0.03)
 calls = [
     lambda: plate.respond(np.full(4_000_000, 126.0)),
@@ -123,6 +169,8 @@ calls = [
     lambda: plate.simulate(turning_point_m=np.full(4_000_000, 0.16)),
     lambda: plate.texture(profile=(np.linspace(0, 0.3, 4_000_000), np.ones(4_000_000))),
     lambda: plate.calibrate(repeat(measurement)),
+    lambda: plate.replace(**endless),
+    lambda: plate.replace(**deep),
     lambda: plate.calibrate((), touch=repeat((0.2, 0.2))),
     lambda: slipline.Plate.from_toml("#" * 100_000_000),
     lambda: slipline.Measurement.from_csv("#" * 300_000_000),

@@ -6,6 +6,8 @@ import contextlib
 import signal
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -184,6 +186,41 @@ def test_a_lost_link_is_logged_and_connected_again_and_drives_the_plate_in_use(
         device.arm()
         device.drive(turning_point_m=0.16)
         assert device.status().state == "Driving"
+
+
+def test_threads_that_connect_again_at_the_same_time_take_turns(plate: slipline.Plate) -> None:
+    with slipline.connect() as device, ThreadPoolExecutor(4) as pool:
+        device.use(plate)
+        for again in [pool.submit(device.reconnect) for _ in range(12)]:
+            again.result()
+        device.arm()
+        assert device.drive(turning_point_m=0.16).plate == "membrane"
+
+
+@pytest.mark.parametrize("call", ["verify", "sweep"])
+def test_a_link_lost_in_a_procedure_is_a_lost_link(plate: slipline.Plate, tmp_path: Path, call: str) -> None:
+    with Line() as line, slipline.connect(line.port) as device, ThreadPoolExecutor(1) as pool:
+        device.use(plate)
+        calls = {"verify": lambda: device.verify(window_s=2.0), "sweep": lambda: device.sweep(tmp_path / "sweep.toml")}
+        running = pool.submit(calls[call])
+        while not running.done() and device.status().state != "Driving":
+            pass
+        line.cut()
+        with pytest.raises(slipline.LinkLost):
+            running.result(30.0)
+
+
+def test_a_fault_ends_a_hold_as_a_fault(plate: slipline.Plate) -> None:
+    with slipline.connect("sim", actual_plate=plate, sensor_m=0.1) as device, ThreadPoolExecutor(1) as pool:
+        device.use(plate)
+        device.arm()
+        device.drive(turning_point_m=0.16)
+        running = pool.submit(device.hold, timeout=30.0)
+        device.wait(seconds=0.1)
+        device.emergency_stop()
+        with pytest.raises(slipline.Fault) as raised:
+            running.result(30.0)
+        assert raised.value.faults == ["EmergencyStop"]
 
 
 def test_a_block_is_opened_and_closed_without_with(plate: slipline.Plate) -> None:

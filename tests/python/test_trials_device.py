@@ -121,7 +121,7 @@ def test_an_answer_is_asked_for_at_the_onset_however_far_the_end_is(device, tmp_
         pass
 
     def leave(trial):
-        # The calls of the trial before it: half a minute is what only a wait for the end takes.
+        # A wait for the end takes far longer than this limit.
         assert device.status().now_samples - trial["at_samples"] < 30 * device.sample_rate_hz
         raise Leaves
 

@@ -5,6 +5,8 @@ A line that ends in ``# refused`` has a planted error, which mypy and basedpyrig
 
 from __future__ import annotations
 
+import asyncio
+
 import numpy as np
 import slipline
 from numpy.typing import NDArray
@@ -67,6 +69,8 @@ async def devices(plate: slipline.Plate) -> None:
         device.wait(drive)
         device.wait(seconds=0.1)
         index: int = await device.wait_async(seconds=0.1)
+        waits: asyncio.Task[int] = asyncio.create_task(device.wait_async(seconds=0.1))
+        print(await waits)
         device.sequence([{"at": index + 100_000, "turning_point_m": 0.16}, {"at": index + 200_000}])
         for status in device.watch(0.1):
             print(status.state, status.now_samples)
@@ -92,7 +96,7 @@ def studies(plate: slipline.Plate) -> None:
     spec = {"plate": plate, "kind": "2d", "seed": 7, "count": 9, "turning_point_m": [0.12], "results": ["felt_edge_m"], "vary": vary}
     slipline.study.run(spec, "tcp://scheduler:8786", store="study.zarr", retries=1, first_worker_s=3600.0)
     drawn: slipline.Plate = slipline.study.plate(spec, 3)
-    objective = slipline.objective(plate, {"taper.rate_per_m": (4.0, 5.5)}, turning_point_m=[0.12], vary=vary, count=16)
+    objective = slipline.objective(plate, {"taper.rate_per_m": (4.0, 5.5)}, turning_point_m=np.array([0.12]), vary=vary, count=16)
     costs: NDArray[np.float64] = objective(np.zeros((3, 1)))
     print(drawn, costs, objective.names, objective.plate(objective.point(plate)))
 
@@ -109,7 +113,7 @@ def sessions(plate: slipline.Plate, device: slipline.Device) -> None:
     rows: slipline.trials.Rows = slipline.trials.run(device, pair, lambda trial: True, folder="study", subject="01", task="edge")
     rows.to_pandas()
     response: str = rows[0]["response"]
-    slipline.trials.run(device, listed, len, folder="study", subject="01", task="edge", seed=1, max_alike=2, take_break=print)
+    slipline.trials.run(device, listed, len, folder="study", subject="01", task="edge", seed=np.int64(1), max_alike=2, take_break=print)
     print(in_use, rows, response, low)
 
 

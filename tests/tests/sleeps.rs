@@ -113,6 +113,8 @@ const SLEEPS: &[(&str, &[Sleep])] = &[
             Because("each is shorter than the time without a call by more than a second, all are longer"),
             Because("longer than the time without a call, and may be any longer"),
             Because("the same"),
+            Because("longer than the second without a sign of life; it may be any longer"),
+            Because("longer than what that handler takes for two lines, and may be any longer"),
         ],
     ),
     (

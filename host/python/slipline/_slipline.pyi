@@ -3,7 +3,7 @@ The compiled part of the package `slipline`.
 """
 
 from _typeshed import Incomplete
-from collections.abc import Awaitable, Iterator, Sequence
+from collections.abc import Coroutine, Iterator, Sequence
 from numpy.typing import ArrayLike
 from os import PathLike
 from slipline._rest import Rest
@@ -187,8 +187,8 @@ class Device:
         Plays a sweep twice for a separate recorder, as ``slipline sweep``, and writes its description into the file ``path``, which
         :meth:`Measurement.read` needs as ``played`` with each recording; arms the device, and disarms it then.
 
-        ``duration_s`` is that of one sweep, 10 ms to 10 s; ``level`` that of the first one, the second one has half of it. An existing
-        file is replaced.
+        ``duration_s`` is that of one sweep, up to 10 s; the shortest one follows from the band, 0.55 s on ``membrane``. ``level`` is that
+        of the first sweep, the second one has half of it. An existing file is replaced.
         """
     def trim(self, /, place_m: SupportsFloat | SupportsIndex, kind: str = "displacement", *, duration_s: SupportsFloat | SupportsIndex | None = None, points: SupportsIndex | None = None, low_hz: SupportsFloat | SupportsIndex | None = None, high_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 0.5, sweep: bool = False) -> Trim:
         """
@@ -218,7 +218,7 @@ class Device:
         a disarm of another thread ends the wait at once. Raises what stops the device meanwhile, and ``TimeoutError`` after
         ``timeout`` seconds by this computer's clock.
         """
-    def wait_async(self, /, at_samples: SupportsIndex | Result | None = None, *, seconds: SupportsFloat | SupportsIndex | None = None, timeout: SupportsFloat | SupportsIndex | None = None) -> Awaitable[int]:
+    def wait_async(self, /, at_samples: SupportsIndex | Result | None = None, *, seconds: SupportsFloat | SupportsIndex | None = None, timeout: SupportsFloat | SupportsIndex | None = None) -> Coroutine[Any, Any, int]:
         """
         As :meth:`wait`, awaited in ``asyncio``: other tasks run meanwhile, and the task can be cancelled.
         """

@@ -26,6 +26,12 @@ pub(crate) fn optional(field: &'static str, value: Option<f64>, range: Range) ->
     value.map_or(Ok(()), |value| in_range(field, value, range))
 }
 
+/// A whole number in its range. An argument is an `i64`, so that one below zero is refused by its name, too.
+pub(crate) fn count_in(field: &'static str, value: i64, range: Range) -> Result<usize, Failure> {
+    in_range(field, value as f64, range)?;
+    usize::try_from(value).map_err(|error| Failure::value(must_be(format_args!("{field} = {value}"), error)))
+}
+
 /// One of these words, if there is one.
 pub(crate) fn one_of<T: Copy>(
     name: &str,

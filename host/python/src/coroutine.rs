@@ -15,7 +15,9 @@ impl<'py> IntoPyObject<'py> for Coroutine<'py> {
     type Output = Bound<'py, PyAny>;
     type Error = Infallible;
     const OUTPUT_TYPE: PyStaticExpr = type_hint_subscript!(
-        type_hint_identifier!("collections.abc", "Awaitable"),
+        type_hint_identifier!("collections.abc", "Coroutine"),
+        type_hint_identifier!("typing", "Any"),
+        type_hint_identifier!("typing", "Any"),
         type_hint_identifier!("builtins", "int")
     );
 

@@ -79,10 +79,22 @@ impl Failure {
         Self::number(refused.to_string(), field, value, (range.low, range.high))
     }
 
+    /// The same by the name of the argument, where a computation names the option of the command line.
+    pub(crate) fn named(self, option: &str, argument: &str) -> Self {
+        match self {
+            Self::OutOfRange { message, field, value, range } if field == option => {
+                let rest = message.strip_prefix(option).unwrap_or_default();
+                Self::number(format!("{argument}{rest}"), argument, value, range)
+            }
+            other => other,
+        }
+    }
+
     /// A number out of its range; of a length that may have been meant in millimetres, the sentence says so.
     pub(crate) fn number(message: String, field: &str, value: f64, range: (f64, f64)) -> Self {
         let meant = value / 1e3;
-        let is_in_mm = field.ends_with("_m") && (range.0..=range.1).contains(&meant);
+        let is_length = field.ends_with("_m") && !field.ends_with("_per_m");
+        let is_in_mm = is_length && (range.0..=range.1).contains(&meant);
         let message = if is_in_mm { format!("{message}; did you mean {meant} m?") } else { message };
         Self::OutOfRange { message, field: field.to_owned(), value, range }
     }

@@ -1,6 +1,6 @@
 //! `Plate.respond`: the field at one frequency, or at several in flat arrays.
 
-use crate::arguments::reserved;
+use crate::arguments::{in_range, reserved};
 use crate::error::Failure;
 use crate::plate::Plate as PyPlate;
 use crate::result::kind::Field;
@@ -10,7 +10,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use serde_json::{Map, Value};
 use slipline_model::answer::respond::{FieldRequest, RespondAnswer, plate_of, solve};
-use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::quantity::Range;
 use slipline_plate::{
     Complex64, Finger, POINTS_MAX, POINTS_MIN, Plate, Progress, Responder, Response, respond_range,
 };
@@ -19,6 +19,9 @@ use std::sync::Arc;
 
 /// Most frequencies of one call: each has some kilobytes beside its amplitudes.
 pub(crate) const FREQUENCIES_MAX: usize = 100_000;
+
+/// Numbers of places of a field.
+pub(crate) const POINTS: Range = Range::new(POINTS_MIN as f64, POINTS_MAX as f64, "");
 
 /// The request at each frequency.
 #[derive(Clone, Copy)]
@@ -35,15 +38,10 @@ impl Asked {
         FieldRequest { frequency_hz, points, finger, paper_mode, two_dimensions }
     }
 
-    /// Refuses a frequency that the plate does not respond to, and a number of points.
+    /// Refuses a frequency that the plate does not respond to.
     fn check(self, plate: &Plate, frequencies_hz: &[f64]) -> Result<(), Failure> {
         let range = respond_range(&plate_of(plate, self.paper_mode));
-        let counts = Range::new(POINTS_MIN as f64, POINTS_MAX as f64, "");
-        let mut checked = OutOfRange::check("points", self.points as f64, counts);
-        for &hz in frequencies_hz {
-            checked = checked.and_then(|()| OutOfRange::check("frequency_hz", hz, range));
-        }
-        checked.map_err(|refused| Failure::out_of_range(&refused))
+        frequencies_hz.iter().try_for_each(|&hz| in_range("frequency_hz", hz, range))
     }
 }
 

@@ -1,6 +1,6 @@
 //! The class `Measurement`: the response of a sensor at one place, over frequency.
 
-use crate::arguments::{ArrayLike, Item, in_range};
+use crate::arguments::{ArrayLike, Item, count_in, in_range, optional};
 use crate::error::Failure;
 use crate::plate::{Plate, check_length};
 use numpy::{Complex64, PyArray1};
@@ -20,6 +20,10 @@ use std::sync::Arc;
 
 /// Most points of a measurement.
 const POINTS_MAX: usize = 10_000;
+/// Signal-to-noise ratios of a measurement that states no noise.
+const SNRS: Range = Range::new(0.0, 140.0, "dB");
+/// Most channels of a WAV file.
+const CHANNEL_MAX: f64 = 65_535.0;
 
 /// The response of a sensor at one place of a plate, over frequency.
 ///
@@ -83,11 +87,16 @@ impl Measurement {
         kind: Option<&str>,
         snr_db: f64,
         played: Option<PathBuf>,
-        channel: usize,
+        channel: i64,
         columns: Option<&str>,
     ) -> PyResult<Self> {
         let plate = plate.map(|plate| Arc::clone(&plate.get().plate));
-        let kind = kind.map(sensor_kind).transpose()?;
+        let kind = kind.map(|word| sensor_kind("kind", word)).transpose()?;
+        if let Some(plate) = &plate {
+            optional("place_m", place_m, Range::new(0.0, plate.length_m(), "m"))?;
+        }
+        in_range("snr_db", snr_db, SNRS)?;
+        let channel = count_in("channel", channel, Range::new(1.0, CHANNEL_MAX, ""))?;
         let columns = columns.map(chosen).transpose().map_err(Failure::refused)?.unwrap_or_default();
         let stated = Stated { plate, place_m, kind, snr_db, played, channel, columns };
         let (measurement, source) = py.detach(|| stated.read(&path))?;
@@ -95,9 +104,11 @@ impl Measurement {
     }
 
     /// Writes it into a file of this package's format, CSV; an existing file is replaced.
-    fn write(&self, path: PathBuf) -> PyResult<()> {
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let text = self.inner.to_csv();
-        let written = atomic_file::write(&path, |out| -> io::Result<()> { out.write_all(text.as_bytes()) });
+        // Into a pipe it waits for whoever reads.
+        let written = py
+            .detach(|| atomic_file::write(&path, |out| -> io::Result<()> { out.write_all(text.as_bytes()) }));
         Ok(written.map_err(|error| Failure::bad_file(path.display(), said(&error)))?)
     }
 
@@ -145,7 +156,7 @@ impl Measurement {
             (Some(noise), None) => noise.one_or_more("noise", POINTS_MAX)?.repeated(count),
             (None, snr_db) => {
                 let snr_db = snr_db.unwrap_or(SNR_DB);
-                in_range("snr_db", snr_db, Range::new(0.0, 140.0, "dB"))?;
+                in_range("snr_db", snr_db, SNRS)?;
                 let square = responses.iter().map(|response| response.norm_sqr()).sum::<f64>();
                 let rms = (square / responses.len().max(1) as f64).sqrt();
                 vec![(rms * 10f64.powf(-snr_db / 20.0)).max(1e-30); count]
@@ -173,8 +184,11 @@ impl Measurement {
             noise,
             headroom_db: Some(headroom_db).filter(|headroom_db| !headroom_db.is_nan()),
         });
-        let usual =
-            slipline_plate::calibrate::Measurement::at(place_m, sensor_kind(sensor)?, points.collect());
+        let usual = slipline_plate::calibrate::Measurement::at(
+            place_m,
+            sensor_kind("sensor", sensor)?,
+            points.collect(),
+        );
         let place_tolerance_m = place_tolerance_m.unwrap_or(usual.place_tolerance_m);
         let measurement = slipline_plate::calibrate::Measurement {
             place_tolerance_m,
@@ -288,10 +302,11 @@ impl Measurement {
 }
 
 /// The quantity of a sensor by its word.
-pub(crate) fn sensor_kind(word: &str) -> Result<SensorKind, Failure> {
+/// `name` is that of the argument.
+pub(crate) fn sensor_kind(name: &str, word: &str) -> Result<SensorKind, Failure> {
     let words = SensorKind::ALL.map(SensorKind::word).join(", ");
     let found = SensorKind::ALL.into_iter().find(|kind| kind.word() == word);
-    let given = format_args!("kind = {word:?}");
+    let given = format_args!("{name} = {word:?}");
     found.ok_or_else(|| Failure::refused(must_be(given, format_args!("one of {words}"))))
 }
 

@@ -1,10 +1,10 @@
 //! The entries of a dictionary that is an argument, such as a tone: their quantities are SI floats.
 
+use crate::arguments::optional;
 use crate::error::Failure;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use slipline_plate::quantity::nearest;
-use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::quantity::{Range, nearest};
 
 /// Entries that are taken one by one; what is left at the end is refused.
 pub(crate) struct Options<'py> {
@@ -30,12 +30,17 @@ impl<'py> Options<'py> {
         Ok(found.filter(|value| !value.is_none()))
     }
 
-    /// A number in its range.
-    pub(crate) fn number(&mut self, name: &'static str, range: Range) -> PyResult<Option<f64>> {
+    /// A number, whose range is known later.
+    pub(crate) fn number(&mut self, name: &'static str) -> PyResult<Option<f64>> {
         let Some(value) = self.take(name)? else { return Ok(None) };
-        let number = value.extract::<f64>().map_err(|_| self.wrong(name, "a number"))?;
-        OutOfRange::check(name, number, range).map_err(|refused| Failure::out_of_range(&refused))?;
-        Ok(Some(number))
+        Ok(Some(value.extract::<f64>().map_err(|_| self.wrong(name, "a number"))?))
+    }
+
+    /// A number in its range.
+    pub(crate) fn number_in(&mut self, name: &'static str, range: Range) -> PyResult<Option<f64>> {
+        let number = self.number(name)?;
+        optional(name, number, range)?;
+        Ok(number)
     }
 
     /// The refusal of an option's type.

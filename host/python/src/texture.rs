@@ -1,6 +1,6 @@
 //! `Plate.texture`.
 
-use crate::arguments::{ArrayLike, SERIES_MAX};
+use crate::arguments::{ArrayLike, SERIES_MAX, count_in};
 use crate::error::Failure;
 use crate::result::kind::Texture;
 use crate::result::{Answer, fields};
@@ -75,12 +75,11 @@ pub(crate) fn run(
     py: Python<'_>,
     plate: &Arc<Plate>,
     wanted: Wanted,
-    most: usize,
+    most: i64,
 ) -> PyResult<Answer<Texture>> {
+    let most = count_in("tones", most, Range::new(1.0, TONES_MAX as f64, ""))?;
     let plate = Arc::clone(plate);
     let found = compute(py, move |progress| {
-        let counts = Range::new(1.0, TONES_MAX as f64, "");
-        OutOfRange::check("tones", most as f64, counts).map_err(|refused| Failure::out_of_range(&refused))?;
         let (wish, argument) = wanted.wish(&plate)?;
         let (table, _) = table_for_watched(&plate, SAMPLE_RATE_HZ, &mut progress.part(0.0, 0.2))
             .map_err(|it| Failure::of(&it))?;

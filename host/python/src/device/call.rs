@@ -59,6 +59,9 @@ pub(crate) fn connect(
             return Err(Failure::wrong_arguments(given, "those of the simulated device: port \"sim\"").into());
         }
     };
+    if let (Some(plate), Some(sensor_m)) = (&truth, sensor_m) {
+        in_range("sensor_m", sensor_m, Range::new(0.0, plate.length_m(), "m"))?;
+    }
     let rig = truth
         .map(|plate| {
             crate::waiting::compute(py, move |_| {
@@ -85,6 +88,7 @@ pub(crate) fn connect(
         attention: Attention::new(Duration::from_secs_f64(unattended_s)),
         process: std::process::id(),
         state: Mutex::new(State::default()),
+        reconnecting: Mutex::new(()),
         latest_log: Mutex::new(None),
     };
     device.call(py, move |client| Ok(client.observe(&port)?))?;

@@ -1,6 +1,7 @@
 //! Errors of the client as exceptions.
 
 use crate::error::{Exception, Failure};
+use slipline_instrument::hold::HoldEnd;
 use slipline_instrument::measure::MeasureError;
 use slipline_instrument::native::ClientError;
 use slipline_link::protocol::event::Faults;
@@ -13,11 +14,15 @@ impl From<ClientError> for Failure {
             ClientError::Thread(_)
             | ClientError::NoAnswer(_)
             | ClientError::Refused(Refusal::Link(_))
+            | ClientError::Procedure(MeasureError::Lost | MeasureError::Refused(Refusal::Link(_)))
+            | ClientError::NotHeld(Some(HoldEnd::LinkLost | HoldEnd::Refused(Refusal::Link(_))))
             | ClientError::Lost(_)
             | ClientError::Gone
             | ClientError::Late => Exception::LinkLost,
             ClientError::HeldUp | ClientError::LeaseOver(_) => Exception::Unattended,
             ClientError::Stopped(standing) => return fault(standing.faults, &error),
+            ClientError::NotHeld(Some(HoldEnd::Fault(faults))) => return fault(*faults, &error),
+            ClientError::NotComparable(Some(first)) => return fault(Faults::NONE.with(*first), &error),
             ClientError::Refused(Refusal::Device(refused))
             | ClientError::Procedure(MeasureError::Refused(Refusal::Device(refused))) => {
                 return by_device(*refused, &error);
@@ -33,7 +38,7 @@ impl From<ClientError> for Failure {
             | ClientError::Interrupted
             | ClientError::NotHeld(_)
             | ClientError::NotOn(_)
-            | ClientError::NotComparable(_)
+            | ClientError::NotComparable(None)
             | ClientError::Dropped => Exception::Refused,
         };
         Self::Because(kind, error.to_string())

@@ -1,6 +1,6 @@
 //! What Python does with a device and a sensor or a recorder besides a measurement: trims, sweeps for a recorder, and self-tests.
 
-use super::measure::{Band, Wish};
+use super::measure::{Band, Wish, of_band};
 use super::{Device, Loaded, lock, may_be_armed};
 use crate::arguments::{in_range, optional};
 use crate::error::Failure;
@@ -37,7 +37,7 @@ impl Device {
             may_be_armed(client, consent)?;
             client.disarm()?;
             let measurer = Measurer::new(client, &plate, &on_device, &wish.request);
-            let measurer = measurer.map_err(|error| Failure::of(&error))?;
+            let measurer = measurer.map_err(|error| of_band(&error))?;
             wish.put_sensor(rig.as_ref(), sensor)?;
             let first = measurer.measure(sensor, |_| ())?.measurement;
             let mut trim = Trimming::begin(&plate, &first).map_err(|error| Failure::of(&error))?;
@@ -68,7 +68,7 @@ impl Device {
         let found = self.call(py, move |client| {
             let rate_hz = f64::from(client.identity()?.sample_rate_hz);
             let played = PlayedSweep::new(&plate, &on_device, &frequencies.on(&plate), rate_hz, duration_s);
-            let played = played.map_err(|error| Failure::of(&error))?;
+            let played = played.map_err(|error| of_band(&error))?;
             let playing = Playing::new(played, on_device).map_err(|error| Failure::of(&error))?;
             may_be_armed(client, consent)?;
             client.disarm()?;

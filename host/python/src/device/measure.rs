@@ -1,7 +1,7 @@
 //! Measurements with the device's own inputs.
 
 use super::{Device, Loaded, lock, may_be_armed};
-use crate::arguments::optional;
+use crate::arguments::{count_in, optional};
 use crate::error::Failure;
 use crate::measurement::{Measurement, sensor_kind};
 use pyo3::prelude::*;
@@ -13,10 +13,11 @@ use slipline_instrument::rig::PreparedRig;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{SensorBody, SensorKind};
 use slipline_plate::quantity::{OutOfRange, Range, must_be};
+use std::error::Error;
 
 /// The frequencies of a measurement and their level, as they are given.
 pub(super) struct Band {
-    pub(super) points: Option<usize>,
+    pub(super) points: Option<i64>,
     pub(super) low_hz: Option<f64>,
     pub(super) high_hz: Option<f64>,
     pub(super) level: Option<f64>,
@@ -46,7 +47,7 @@ impl Wish {
         band: Band,
         circuit: Circuit,
     ) -> Result<Self, Failure> {
-        let kind = sensor_kind(kind)?;
+        let kind = sensor_kind("kind", kind)?;
         let sensor = match (input, place_m) {
             ("sensor", Some(place_m)) => Some((place_m, kind, body)),
             ("sensor", None) => {
@@ -90,7 +91,7 @@ impl Band {
     /// The frequencies and their level.
     pub(super) fn frequencies(&self) -> Result<Frequencies, Failure> {
         let Self { points, low_hz, high_hz, level, .. } = *self;
-        optional("points", points.map(|points| points as f64), POINTS)?;
+        let points = points.map(|points| count_in("points", points, POINTS)).transpose()?;
         optional("level", level, LEVEL)?;
         Ok(Frequencies { low_hz, high_hz, points, level })
     }
@@ -113,6 +114,11 @@ impl Circuit {
     }
 }
 
+/// Why a band is refused, by the names of the arguments.
+pub(super) fn of_band(error: &(dyn Error + 'static)) -> Failure {
+    Failure::of(error).named("from", "low_hz").named("to", "high_hz").named("time", "duration_s")
+}
+
 impl Device {
     /// Measures the plate in use.
     pub(super) fn measure_plate(&self, py: Python<'_>, wish: Wish) -> PyResult<Measurement> {
@@ -124,7 +130,7 @@ impl Device {
             may_be_armed(client, consent)?;
             client.disarm()?;
             let measurer = Measurer::new(client, &plate, &on_device, &wish.request);
-            let measurer = measurer.map_err(|error| Failure::of(&error))?;
+            let measurer = measurer.map_err(|error| of_band(&error))?;
             wish.put_sensor(rig.as_ref(), sensor)?;
             if let Some(known) = wish.request.known_with(rig.as_ref()) {
                 client.check_drive(&plate, &on_device, known, |_| ())?;

@@ -5,7 +5,7 @@ use super::measure::{Band, Circuit, Wish};
 use super::step::{Step, asked_tone, further_tone};
 use super::wait::{Awaited, Limits, SampleIndex};
 use super::{Block, Device, Loaded, closed, lock, may_be_armed, take_signal};
-use crate::arguments::items;
+use crate::arguments::{count_in, items};
 use crate::coroutine::{Coroutine, Rest, StatusIterator};
 use crate::error::Failure;
 use crate::measurement::Measurement;
@@ -97,7 +97,10 @@ impl Device {
     /// An open connection is stopped, disarmed and closed first. Raises ``LinkLost`` where no device answers.
     fn reconnect(&self, py: Python<'_>) -> PyResult<()> {
         let (port, loaded) = (self.port.clone(), lock(&self.state).loaded.clone());
+        let turn = &self.reconnecting;
         self.call(py, move |client| {
+            // One thread would close the connection that another one waits for.
+            let _turn = lock(turn);
             client.observe(&port)?;
             if let Some(loaded) = loaded {
                 client.use_table(loaded.on_device)?;
@@ -256,6 +259,9 @@ impl Device {
                 return Ok(());
             }
             wait.check()?;
+            // An emergency stop of that thread has latched a fault.
+            client.refresh()?;
+            client.check_drives()?;
             Err(Failure::refused("nothing is held: another thread stopped the device"))
         })
     }
@@ -276,7 +282,7 @@ impl Device {
         place_m: Option<f64>,
         kind: &str,
         input: &str,
-        points: Option<usize>,
+        points: Option<i64>,
         low_hz: Option<f64>,
         high_hz: Option<f64>,
         level: Option<f64>,
@@ -310,7 +316,7 @@ impl Device {
         place_m: f64,
         kind: &str,
         duration_s: Option<f64>,
-        points: Option<usize>,
+        points: Option<i64>,
         low_hz: Option<f64>,
         high_hz: Option<f64>,
         level: f64,
@@ -325,8 +331,8 @@ impl Device {
     /// Plays a sweep twice for a separate recorder, as ``slipline sweep``, and writes its description into the file ``path``, which
     /// :meth:`Measurement.read` needs as ``played`` with each recording; arms the device, and disarms it then.
     ///
-    /// ``duration_s`` is that of one sweep, 10 ms to 10 s; ``level`` that of the first one, the second one has half of it. An existing
-    /// file is replaced.
+    /// ``duration_s`` is that of one sweep, up to 10 s; the shortest one follows from the band, 0.55 s on ``membrane``. ``level`` is that
+    /// of the first sweep, the second one has half of it. An existing file is replaced.
     #[pyo3(signature = (path, *, duration_s=4.0, points=None, low_hz=None, high_hz=None, level=0.5))]
     #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
     fn sweep(
@@ -334,7 +340,7 @@ impl Device {
         py: Python<'_>,
         path: PathBuf,
         duration_s: f64,
-        points: Option<usize>,
+        points: Option<i64>,
         low_hz: Option<f64>,
         high_hz: Option<f64>,
         level: f64,
@@ -369,9 +375,9 @@ impl Device {
     ///
     /// Plays up to 16 tones. The result has the fields ``equal`` and ``windows``.
     #[pyo3(signature = (*, tones=16, window_s=0.25))]
-    fn verify(&self, py: Python<'_>, tones: u8, window_s: f64) -> PyResult<Answer<Verification>> {
-        let of_tones = Range::new(1.0, MAX_TONES as f64, "");
-        OutOfRange::check("tones", tones.into(), of_tones).map_err(|it| Failure::out_of_range(&it))?;
+    fn verify(&self, py: Python<'_>, tones: i64, window_s: f64) -> PyResult<Answer<Verification>> {
+        let tones = count_in("tones", tones, Range::new(1.0, MAX_TONES as f64, ""))?;
+        let tones = u8::try_from(tones).unwrap_or(u8::MAX);
         self.check_block("verify()")?;
         let (plate, consent) = (self.loaded()?.plate, lock(&self.state).consent);
         let verified = self.call(py, move |client| {

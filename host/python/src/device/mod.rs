@@ -28,7 +28,6 @@ use pyo3::prelude::*;
 use slipline_instrument::native::{ArmingConsent, Client, ClientError, InterruptibleLink};
 use slipline_instrument::rig::PreparedRig;
 use slipline_link::{DeviceTable, LogEntry, Port};
-use slipline_plate::quantity::Range;
 use slipline_plate::{DriveTable, Plate};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -50,6 +49,8 @@ pub(crate) struct Device {
     /// The process that has connected: a fork of it has no link.
     process: u32,
     state: Mutex<State>,
+    /// Held by the thread that connects again.
+    reconnecting: Mutex<()>,
     /// The latest line of the link's log that `logging` has.
     latest_log: Mutex<Option<LogEntry>>,
 }
@@ -83,9 +84,6 @@ enum Block {
     Inside,
     Closed,
 }
-
-/// Any number: its range is that of the plate or the device.
-const ANY: Range = Range::new(f64::NEG_INFINITY, f64::INFINITY, "");
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // Each value under these locks is complete at any time.

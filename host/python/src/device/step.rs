@@ -1,7 +1,7 @@
 //! A step of a drive: its tones and their glide, made for the plate in use, and its answer.
 
+use super::Loaded;
 use super::wait::sample_index;
-use super::{ANY, Loaded};
 use crate::arguments::{in_range, items};
 use crate::error::Failure;
 use crate::options::Options;
@@ -42,8 +42,8 @@ pub(super) fn asked_tone(
 pub(super) fn further_tone(tone: &Bound<'_, PyDict>, level: f64) -> PyResult<ToneRequest> {
     let mut options = Options::new("drive", Some(tone))?;
     let places = ["felt_edge_m", "turning_point_m", "frequency_hz"];
-    let [felt_edge_m, turning_point_m, frequency_hz] = places.map(|name| options.number(name, ANY));
-    let level = options.number("level", LEVEL)?.unwrap_or(level);
+    let [felt_edge_m, turning_point_m, frequency_hz] = places.map(|name| options.number(name));
+    let level = options.number_in("level", LEVEL)?.unwrap_or(level);
     options.end()?;
     let tone = asked_tone(felt_edge_m?, turning_point_m?, frequency_hz?, level)?;
     let none =
@@ -89,10 +89,10 @@ impl Step {
             .into());
         };
         let at = sample_index("at", &at, "a sample index")?;
-        let level = options.number("level", LEVEL)?.unwrap_or(USUAL_LEVEL);
-        let glide_s = options.number("glide_s", ANY)?.unwrap_or(USUAL_GLIDE_S);
+        let level = options.number_in("level", LEVEL)?.unwrap_or(USUAL_LEVEL);
+        let glide_s = options.number("glide_s")?.unwrap_or(USUAL_GLIDE_S);
         let [felt_edge_m, turning_point_m, frequency_hz] =
-            ["felt_edge_m", "turning_point_m", "frequency_hz"].map(|name| options.number(name, ANY));
+            ["felt_edge_m", "turning_point_m", "frequency_hz"].map(|name| options.number(name));
         let first = asked_tone(felt_edge_m?, turning_point_m?, frequency_hz?, level)?;
         let further: Vec<Bound<'_, PyDict>> = match options.take("tones")? {
             Some(tones) => items("tones", &tones, MAX_TONES)?,

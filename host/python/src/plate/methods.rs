@@ -3,7 +3,7 @@
 use super::numbers::{flatten, frequencies_of, frequency_of, replaced};
 use super::{Plate, check_length, file_failure, named};
 use crate::actual::PlateArgument;
-use crate::arguments::{ArrayLike, OneOrMore, SERIES_MAX, items, pair};
+use crate::arguments::{ArrayLike, OneOrMore, SERIES_MAX, count_in, in_range, items, pair};
 use crate::calibrate;
 use crate::error::Failure;
 use crate::field;
@@ -191,12 +191,13 @@ impl Plate {
         turning_point_m: Option<ArrayLike<'_>>,
         felt_edge_m: Option<ArrayLike<'_>>,
         level: f64,
-        points: usize,
+        points: i64,
         finger: Option<FingerArgument>,
         paper_mode: bool,
         two_dimensions: bool,
     ) -> PyResult<Answer<Field>> {
         let finger = finger.map(|FingerArgument(finger)| finger);
+        let points = count_in("points", points, field::POINTS)?;
         let asked = field::Asked { points, finger, paper_mode, two_dimensions };
         match frequencies_of(py, &self.plate, [frequency_hz, turning_point_m, felt_edge_m], level)? {
             OneOrMore::One(hz) => field::at_one(py, &self.plate, hz, asked),
@@ -209,13 +210,11 @@ impl Plate {
     ///
     /// Raises ``OutOfRange`` for ``sample_rate_hz`` and for ``knots`` (2 to 1025); ``Refused`` if the plate has no table.
     #[pyo3(signature = (*, sample_rate_hz=400e3, knots=1025))]
-    fn table(&self, py: Python<'_>, sample_rate_hz: f64, knots: usize) -> PyResult<Answer<Table>> {
+    fn table(&self, py: Python<'_>, sample_rate_hz: f64, knots: i64) -> PyResult<Answer<Table>> {
         let plate = Arc::clone(&self.plate);
         let found = compute(py, move |progress| {
-            let counts = Range::new(2.0, KNOTS_MAX as f64, "");
-            let checked = OutOfRange::check("sample_rate_hz", sample_rate_hz, sample_rates(&plate))
-                .and_then(|()| OutOfRange::check("knots", knots as f64, counts));
-            checked.map_err(|refused| Failure::out_of_range(&refused))?;
+            in_range("sample_rate_hz", sample_rate_hz, sample_rates(&plate))?;
+            let knots = count_in("knots", knots, Range::new(2.0, KNOTS_MAX as f64, ""))?;
             let built = BuiltTable::build(&plate, sample_rate_hz, knots, progress);
             let mut found = fields(&built.map_err(|error| Failure::of(&error))?.answer(&plate));
             if let Some(Value::Array(knots)) = found.remove("knots") {
@@ -277,7 +276,7 @@ impl Plate {
         image: Option<PathBuf>,
         stripes_m: Option<f64>,
         beat: Option<Bound<'_, PyAny>>,
-        tones: usize,
+        tones: i64,
     ) -> PyResult<Answer<Texture>> {
         let profile = profile.map(|given| texture::profile(&given)).transpose()?;
         let beat = beat.map(|given| pair("beat", &given, "(place_m, beat_hz)")).transpose()?;

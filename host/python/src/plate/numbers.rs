@@ -55,6 +55,9 @@ pub(super) fn frequencies_of(
     })
 }
 
+/// Sections in each other, more than any plate file has. A dictionary that holds itself has no end.
+const DEPTH_MAX: usize = 8;
+
 /// The numbers of a dictionary, each with the path of its field; those of a dictionary in it are of its section.
 pub(super) fn flatten(
     section: &str,
@@ -64,7 +67,15 @@ pub(super) fn flatten(
     for (name, value) in numbers {
         let path = format!("{section}{name}");
         match value.cast::<PyDict>() {
-            Ok(inner) => flatten(&format!("{path}."), inner, changes)?,
+            Ok(inner) if section.matches('.').count() < DEPTH_MAX => {
+                flatten(&format!("{path}."), inner, changes)?;
+            }
+            Ok(_) => {
+                let given = format_args!("{path} of a dictionary");
+                return Err(
+                    Failure::wrong_arguments(given, "a number: no plate file has so many sections").into()
+                );
+            }
             Err(_) => {
                 let wrong = || Failure::wrong_arguments(format_args!("{path} = {value}"), "a number");
                 changes.push((path.clone(), value.extract::<f64>().map_err(|_| wrong())?));
