@@ -47,14 +47,17 @@ def h743():
     return Chip(stm32h743)
 
 
-def raise_clock(chip, wait_states=4):
-    """The tree of the NUCLEO-G474RE's file, up to the switch."""
+def raise_clock(chip, wait_states=4, divided=2e-6):
+    """The tree of the NUCLEO-G474RE's file, with the AHB divided by two for a time after the switch."""
     chip.write(G4_RCC, chip.read(G4_RCC) | HSEON)
     chip.board.run(3e-3)
     chip.write(G4_RCC + 0x0C, 3 | 5 << 4 | 85 << 8 | 1 << 24)
     chip.write(G4_RCC, chip.read(G4_RCC) | 1 << 24)
     chip.board.run(1e-3)
     chip.write(G4_ACR, 0x600 | wait_states)
+    if divided:
+        chip.write(G4_RCC + 0x08, 3 | 0b1000 << 4)
+        chip.board.run(divided)
     chip.write(G4_RCC + 0x08, 3)
 
 
@@ -67,6 +70,13 @@ def test_170_mhz_need_four_wait_states(g474):
     g474.write(PWR_CR5, 0)
     with pytest.raises(AssertionError, match="with 3 wait states"):
         raise_clock(g474, 3)
+
+
+@pytest.mark.parametrize("divided", [0, 0.9e-6])
+def test_170_mhz_need_the_ahb_divided_for_a_microsecond_after_the_switch(g474, divided):
+    g474.write(PWR_CR5, 0)
+    with pytest.raises(AssertionError, match="us after the switch"):
+        raise_clock(g474, divided=divided)
 
 
 def test_with_both_the_timers_run_at_170_mhz(g474):

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `NAME` | the name in the hello |
 //! | `CORE_HZ`, `TIMER_HZ`, `TIMER_PERIOD` | the processor's and the sample timer's clocks in Hz; the timer's ticks per DAC code |
+//! | `RAISED` | the clocks over those that embassy has recorded |
 //! | `SampleTimer`, `SAMPLE_TIMER` | the timer that triggers the DAC once per code |
 //! | `MuteTimer`, `MUTE_TIMER`, `MUTE_TIMER_HZ` | the timer of the mute pin, with a break input, and its clock in Hz |
 //! | `MUTE_CHANNEL`, `MUTE_IS_COMPLEMENTARY` | its channel, from 0, and whether the pin is the complementary output |

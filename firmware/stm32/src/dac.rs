@@ -129,7 +129,7 @@ impl Dac {
     ) -> Self {
         // The board's file derives the clock tree by hand: an error there would make every frequency wrong.
         assert!(
-            rcc::frequency::<board::SampleTimer>().0 == board::TIMER_HZ,
+            board::RAISED * rcc::frequency::<board::SampleTimer>().0 == board::TIMER_HZ,
             "the sample timer does not run at the board's rate"
         );
 

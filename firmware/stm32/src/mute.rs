@@ -67,7 +67,7 @@ impl MutePin {
         let MutedPin { mut pin, has_resistor } = pin;
         // The board's file derives the clock tree by hand.
         assert!(
-            rcc::frequency::<board::MuteTimer>().0 == board::MUTE_TIMER_HZ,
+            board::RAISED * rcc::frequency::<board::MuteTimer>().0 == board::MUTE_TIMER_HZ,
             "the mute timer does not run at the board's rate"
         );
         // The timer is this file's from now on.

@@ -7,6 +7,8 @@ CR, ICSCR, CFGR, PLLCFGR, CIER, CIFR, CICR, CCIPR, BDCR, CSR, CRRCR = (
 )  # fmt: skip
 AHB1, AHB2, AHB3, APB11, APB12, APB2 = 0x48, 0x4C, 0x50, 0x58, 0x5C, 0x60
 RESET_BEFORE_ENABLE = 0x20
+# Of CFGR; and how long the AHB must be divided after the switch to what needs the boost mode (RM0440 6.1.5).
+SWITCH, DIVIDED_SECONDS = 0b11, 1e-6
 HSION, PLLON, PLL_READY = 1 << 8, 1 << 24, 1 << 25
 HSI_HZ = 16e6
 HSI, HSE, PLL = 1, 2, 3
@@ -31,6 +33,11 @@ class G474Clocks(Clocks):
     OSCILLATORS = {
         HSION: (1 << 10, INTERNAL_SECONDS), HSEON: (1 << 17, CRYSTAL_SECONDS), PLLON: (PLL_READY, PLL_SECONDS),
     }  # fmt: skip
+
+    def reset(self, cause="power"):
+        # When the system clock was switched last.
+        self.switched_at = 0.0
+        super().reset(cause)
 
     def reset_values(self):
         """RM0440 7.4."""
@@ -60,6 +67,8 @@ class G474Clocks(Clocks):
             if value & FAILED:
                 self.is_failed = False
             value = 0
+        if offset == CFGR and (value ^ self.registers[CFGR]) & SWITCH:
+            self.switched_at = self.board.now
         super().write(offset, value)
 
     def source(self):
@@ -92,6 +101,8 @@ class G474Clocks(Clocks):
         # RM0440 6.1.5 and table 29: what the voltage range lets the core do, at each number of wait states.
         assert power.is_range_1(), "range 2 is not modelled"
         most, each = (170e6, 34e6) if power.is_boosted() else (150e6, 30e6)
+        divided = (self.board.now - self.switched_at) / self.board.CORE_HZ
+        assert tree.ahb <= 150e6 or divided >= DIVIDED_SECONDS, f"the AHB was divided for {divided * 1e6:.2f} us after the switch"
         assert tree.ahb <= most, f"{tree.ahb / 1e6} MHz needs range 1's boost mode"
         wait_states = self.board.flash.access & 15
         assert tree.ahb <= each * (wait_states + 1), f"{tree.ahb / 1e6} MHz with {wait_states} wait states"

@@ -29,6 +29,8 @@ pub(crate) const NAME: &str = "STM32F4DISCOVERY";
 pub(crate) const CORE_HZ: u32 = 168_000_000;
 pub(crate) const TIMER_HZ: u32 = 168_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 420;
+/// embassy's record of the clocks is the chip's.
+pub(crate) const RAISED: u32 = 1;
 
 // The sample timer is TIM8. Its trigger output reaches the DAC (RM0090 table 76) and, unlike TIM6's, the ADCs
 // (ADC_CR2.EXTSEL, below): the inputs are sampled with the codes.

@@ -7,6 +7,8 @@ use embassy_stm32::pac;
 use embassy_stm32::pac::adc::Adc;
 use embassy_stm32::pac::adc::vals::SampleTime;
 use embassy_stm32::pac::adccommon::vals::{Ckmode, Dmacfg, Dual, Mdma};
+use embassy_stm32::pac::flash::vals::Latency;
+use embassy_stm32::pac::timer::vals::Urs;
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk,
 };
@@ -25,13 +27,15 @@ pub(crate) const NAME: &str = "NUCLEO-G474RE";
 // Clocks (RM0440 7.2, DS12288 table 46). The board's crystal X3 has 24 MHz.
 //   VCO in = 24 / 6 = 4 MHz (PLLM = 6; 2.66 to 16 MHz allowed), VCO = 4 * 85 = 340 MHz (PLLN = 85; at most 344 MHz),
 //   SYSCLK = 340 / 2 = 170 MHz (PLLR = 2), which needs range 1 boost mode (RM0440 table 38).
-//   RM0440 6.1.5 wants the AHB at half of that for 1 us after the switch. embassy-stm32 0.6 waits before the switch
-//   instead, and the write that switches also ends the half rate. If a chip fails at the start, look here first.
+//   RM0440 6.1.5 wants the AHB at half of that for 1 us after the switch. The write by which embassy-stm32 0.6 switches sets the
+//   AHB's prescaler, too; so embassy gets the half rate for good, and `raise` ends it.
 //   AHB = APB1 = APB2 = 170 MHz. TIM4, the sample timer, is on APB1, which is not divided: 170 MHz.
 //   170 MHz / 425 = 400 kHz.
 pub(crate) const CORE_HZ: u32 = 170_000_000;
 pub(crate) const TIMER_HZ: u32 = 170_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 425;
+/// embassy's record of the clocks is that before [`raise`]: the half.
+pub(crate) const RAISED: u32 = 2;
 
 // The sample timer is TIM4; TIM8 has the mute pin. Its trigger output reaches the DAC, the ADCs (adc_ext_trg12 of ADC1 and
 // ADC2, below), and other timers, which TIM6's does not.
@@ -181,7 +185,8 @@ fn clocks() -> rcc::Config {
     });
     clocks.sys = Sysclk::PLL1_R;
     clocks.boost = true;
-    clocks.ahb_pre = AHBPrescaler::DIV1;
+    // Until `raise`.
+    clocks.ahb_pre = AHBPrescaler::DIV2;
     clocks.apb1_pre = APBPrescaler::DIV1;
     clocks.apb2_pre = APBPrescaler::DIV1;
     clocks
@@ -189,9 +194,27 @@ fn clocks() -> rcc::Config {
 
 /// Range 1's boost mode, which 170 MHz need: PWR_CR5.R1MODE = 0, bit 8 (RM0440 6.4.21). stm32-metapac 21 has that field at
 /// bit 0, so embassy-stm32's own `boost` clears a bit that does not exist. It cannot be done before embassy's start, which
-/// resets PWR; so the start leaves the clocks slow, and they are raised after it.
+/// resets PWR; so the start leaves the clocks slow, and they are raised after it. The AHB is divided before it (RM0440 6.1.5).
 fn boost() {
+    pac::RCC.cfgr().modify(|w| w.set_hpre(AHBPrescaler::DIV2));
     pac::PWR.cr5().modify(|w| w.0 &= !(1 << 8));
+}
+
+/// The last step to 170 MHz: the AHB's prescaler from 2 to 1, 1 us after the switch to the PLL or later (RM0440 6.1.5), with the wait
+/// states of the full rate set before (3.3.3). TIM5, embassy's time, keeps its pace: nothing waits for it yet.
+fn raise() {
+    const WAIT_STATES: Latency = Latency::WS4;
+    pac::FLASH.acr().modify(|w| w.set_latency(WAIT_STATES));
+    while pac::FLASH.acr().read().latency() != WAIT_STATES {}
+    // At 85 MHz 2 us.
+    cortex_m::asm::delay(CORE_HZ / 1_000_000);
+    pac::RCC.cfgr().modify(|w| w.set_hpre(AHBPrescaler::DIV1));
+    let time = pac::TIM5;
+    time.psc().write_value((TIMER_HZ / embassy_time::TICK_HZ as u32 - 1) as u16);
+    // Loads the prescaler, without the update's flag.
+    time.cr1().modify(|w| w.set_urs(Urs::COUNTER_ONLY));
+    time.egr().write(|w| w.set_ug(true));
+    time.cr1().modify(|w| w.set_urs(Urs::ANY_EVENT));
 }
 
 /// After a reset the caches are on and the prefetch is off (RM0440 3.7.1).
@@ -234,6 +257,7 @@ pub(crate) struct Link {
 pub(crate) fn take(mut p: Peripherals) -> Board {
     boost();
     rcc::reinit(clocks(), &mut p.RCC);
+    raise();
     Board {
         // PB5, D4 on the Arduino header; not PB4 or PB6, which USB-C's dead-battery resistors pull after reset. The
         // wiring has a resistor to ground on it (BOARDS.md).
@@ -263,8 +287,9 @@ impl Link {
     /// them (alternate function 12); both peripherals can use these pins. The clock is APB1: 170 MHz / 184 = 923913
     /// baud, 0.25 % from 921600. embassy-stm32 sets up pins, clock, rate and FIFOs and enables the interrupt; the rest of the UART is the
     /// link's. Panics if the pins or the rate are impossible, which does not depend on outside data.
-    pub(crate) fn open(self, config: usart::Config) {
+    pub(crate) fn open(self, mut config: usart::Config) {
         let Self { uart, receive, transmit, channels } = self;
+        config.baudrate /= RAISED;
         match Uart::new_blocking(uart, receive, transmit, config) {
             // A driver that is dropped switches its UART off.
             Ok(uart) => core::mem::forget(uart),

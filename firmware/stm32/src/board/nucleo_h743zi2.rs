@@ -41,6 +41,8 @@ pub(crate) const NAME: &str = "NUCLEO-H743ZI2";
 pub(crate) const CORE_HZ: u32 = 400_000_000;
 pub(crate) const TIMER_HZ: u32 = 200_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 500;
+/// embassy's record of the clocks is the chip's.
+pub(crate) const RAISED: u32 = 1;
 
 // The sample timer is TIM8. Its trigger output reaches the DAC and the ADCs (below).
 pub(crate) type SampleTimer = peripherals::TIM8;
