@@ -27,6 +27,12 @@ def mirror_codes():
 
 
 @functools.cache
+def selftest_in_step():
+    """The test crate's program of that name, built as `mirror_codes` is."""
+    return cargo("build", "--bin", "selftest_in_step")["selftest_in_step"]
+
+
+@functools.cache
 def bench():
     """The benchmark for the emulator."""
     return cargo("build", "--release", "-p", "slipline-qemu", "--target", TARGET, "--bin", "slipline-bench")["slipline-bench"]

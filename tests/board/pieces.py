@@ -11,6 +11,7 @@ LONG = {
     "test_the_hosts_beat_counts_to_its_end_and_a_host_that_begins_again_there_is_a_silent_one": 12,
     "test_an_emergency_stop_is_at_the_pin_soon_whatever_comes_before_it": 10,
     "test_sixteen_tones_on_the_largest_table_begin_soon": 10,
+    "test_a_planted_fault_is_caught_by_its_own_step_and_no_other_verdict_is_wrong": 10,
 }
 
 

@@ -1,4 +1,6 @@
 """A board with a host on its cable, and what a test asks of the codes that it plays."""
+import random
+
 from unicorn import UC_HOOK_CODE
 
 from boards import RENDERER_IRQ
@@ -8,6 +10,8 @@ MID = 2048
 MILLISECOND = RATE_HZ // 1000
 # The thermal limit changes at multiples of this many samples only (limits::FOLDBACK_PERIOD_MS, in whole blocks).
 LIMIT_PERIOD = 320 * MILLISECOND
+# Codes, standard deviation.
+NOISE = 0.5
 # What is played before sample 0: one code from the holding register, two blocks from the ring.
 BEFORE_FIRST = 1 + 2 * BLOCK
 
@@ -22,6 +26,17 @@ class Rig:
             self.change(initial)
         self.cable = facts.cable(self.board)
         self.host = Host(self.board, self.cable)
+
+    def wire(self, *wires):
+        """Fits wires between pins, by the names that `slipline selftest --wire` has for them. The converters have their noise (BOARDS.md,
+        "Noise"), which smooths the steps of the codes."""
+        for wire in wires:
+            if wire == "dac=sensor":
+                draw = random.Random(5)
+                self.board.adc.at_pins = lambda: (noisy(self.board.dac.output, NOISE, draw), MID)
+            else:
+                assert wire == "trigger=trigger-in", wire
+                self.board.pins.connect(self.facts.trigger, self.facts.trigger_input)
 
     def change(self, initial):
         """Changes memory when the renderer's interrupt is entered for the first time."""
@@ -119,6 +134,11 @@ class Sounding(Rig):
         codes = self.codes(self.at, self.played())
         assert len(codes) <= len(self.expected)
         return self.at + next((i for i, (a, b) in enumerate(zip(codes, self.expected)) if a != b), len(codes))
+
+
+def noisy(code, deviation, draw):
+    """A code with noise."""
+    return min(max(round(code + draw.gauss(0, deviation)), 0), 4095)
 
 
 def start(rig, tones=((0, 0.4, 0.5),), glide=5 * MILLISECOND):

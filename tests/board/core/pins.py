@@ -2,7 +2,8 @@
 
 `Pins.level` is the level that the chip itself drives. It is None for a pin that it does not drive: there the wiring decides. The program
 reads the level that drives the pin from outside (`drive`), else the level to which a resistor on the board pulls it (`resistors`), else
-that of the chip's own resistor; or, where a test has wired one (`wire`), what a resistor and a capacitor make of that.
+that of the chip's own resistor; or, where a test has wired one (`wire`), what a resistor and a capacitor make of that. A wire from one pin
+to another (`connect`) drives the second from outside; a pin with a short (`shorts`) reads the same whatever drives it.
 """
 
 from .load import Load
@@ -81,8 +82,8 @@ class Pins:
         self.levels = {}
         # By pin: what drives it from outside, and the level to which a resistor on the board pulls it.
         self.outside, self.resistors = {}, dict(resistors)
-        # By pin: what a test has wired there.
-        self.loads = {}
+        # By pin: what a test has wired there; the pin at the other end of a wire; the level of a short.
+        self.loads, self.wires, self.shorts = {}, {}, {}
         # By pin that has been asked for: the timer's output that drives it, and whether as an open drain. Until a port changes.
         self.drivers = {}
         self.by_timer = {}
@@ -123,6 +124,8 @@ class Pins:
 
     def read(self, name):
         """What the program reads: the level at the pin."""
+        if name in self.shorts:
+            return self.shorts[name]
         if name in self.loads:
             return self.loads[name].level()
         levels = self.level(name), self.outside.get(name), self.resistors.get(name), int(self.is_pulled_up(name))
@@ -134,6 +137,11 @@ class Pins:
     def wire(self, name, wiring):
         """From now on this hangs at the pin."""
         self.loads[name] = Load(self.board, wiring)
+
+    def connect(self, output, input):
+        """A wire from a pin that the chip drives to one that it reads."""
+        self.wires[output] = input
+        self.drive(input, self.level(output) or 0)
 
     def driver(self, name):
         """What gives the level that drives a pin, and whether it is an open drain."""
@@ -184,3 +192,5 @@ class Pins:
         if level != self.levels.get(name):
             self.levels[name] = level
             self.board.note(name, level)
+            if name in self.wires:
+                self.drive(self.wires[name], level or 0)
