@@ -1,7 +1,7 @@
 //! Diagnostic output of the libraries (`tracing`): `RUST_LOG` selects the events written to standard error,
 //! `--trace FILE` writes every frame on the link to a file, one line each.
 
-use crate::cli::{Failure, trace_to_standard_output};
+use crate::cli::{Failure, trace_to_file, trace_to_standard_output};
 use slipline_model::atomic_file::{STANDARD_STREAM, is_stream, said};
 use slipline_plate::quantity::must_be;
 use std::fs::OpenOptions;
@@ -89,6 +89,7 @@ pub fn start(file: Option<&Path>, may_replace: bool, json: bool) -> Result<(), F
                 }
                 Failure::Failed(format!("{name} cannot be written: {}", said(&error)))
             })?;
+            trace_to_file(path);
             Some(Frames { name, out: Box::new(out) })
         }
         None => None,

@@ -751,11 +751,15 @@ class Selftest(Result):
     """Version of the firmware."""
     passed: bool
     """Whether no step is red."""
+    short: bool
+    """Whether it was a short test."""
     simulated: bool
     """Whether the device is simulated."""
     steps: Results[SelftestStep]
     unit: str
     """Number of this device."""
+    wires: list[str]
+    """The wires that were fitted, as --wire takes them."""
 
 
 class StatusCounters(Result):

@@ -35,6 +35,9 @@ impl Destination {
             return Ok(Self::at(path, may_replace));
         }
         let name = path.display();
+        if output::is_trace(path) {
+            return Err(Failure::Usage(format!("{name} is the file of --trace: name another file")));
+        }
         match path.metadata() {
             Ok(found) if found.is_dir() => {
                 Err(Failure::Usage(format!("{name} is a folder: name a file in it")))

@@ -39,6 +39,7 @@ pub const EXAMPLES: &[(&str, &[&str])] = &[
         &[
             "slipline selftest --port sim --wire dac=sensor --wire trigger=trigger-in --short --out test.json",
             "slipline selftest --judge test.json",
+            "slipline selftest --port sim --amplifier",
         ],
     ),
     ("serve", &["slipline serve --socket slipline.sock --plate membrane"]),

@@ -71,5 +71,5 @@ pub use call::asks_for_json;
 pub use command::{Cli, Command};
 pub use examples::EXAMPLES;
 pub use failure::Failure;
-pub use output::{note, trace_to_standard_output};
+pub use output::{note, trace_to_file, trace_to_standard_output};
 pub use schema::SCHEMA;

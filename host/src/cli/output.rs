@@ -8,12 +8,16 @@ use slipline_model::atomic_file::{self, said};
 use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Whether standard output has the command's JSON, or one of its files.
 static HAS_JSON: AtomicBool = AtomicBool::new(false);
 static HAS_FILE: AtomicBool = AtomicBool::new(false);
+
+/// The file of the trace, once it is open.
+static TRACE: OnceLock<PathBuf> = OnceLock::new();
 
 /// States whether standard output has the command's JSON, before its files are named.
 pub(super) fn begin(as_json: bool) {
@@ -166,4 +170,17 @@ pub(super) fn table(out: &mut dyn Write, rows: &[Vec<String>]) -> io::Result<()>
 pub fn trace_to_standard_output(json: bool) -> Result<(), Failure> {
     begin(json);
     take()
+}
+
+/// The trace is written to this file, which is open: no other file of the command may be the same.
+pub fn trace_to_file(path: &Path) {
+    if let Ok(path) = path.canonicalize() {
+        let _ = TRACE.set(path);
+    }
+}
+
+/// Whether a file is that of the trace, even if their paths are written differently.
+pub(super) fn is_trace(path: &Path) -> bool {
+    let trace = TRACE.get().filter(|trace| !atomic_file::is_stream(trace));
+    trace.is_some_and(|trace| path.canonicalize().is_ok_and(|path| path == *trace))
 }

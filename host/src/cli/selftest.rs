@@ -4,7 +4,7 @@ mod reading;
 mod utc;
 
 use super::destination::{Destination, ForceArgument};
-use super::device::Device;
+use super::device::{ArmingArgument, Device};
 use super::failure::Failure;
 use super::rig::PortArgument;
 use super::schema::finished;
@@ -31,6 +31,12 @@ pub struct SelftestArguments {
     /// The amplifier is unplugged: a step may take the mute pin high, to time its fall.
     #[arg(long, help_heading = "Board")]
     amplifier_unplugged: bool,
+    /// Test the amplifier, connected and switched on, once all else has passed without it: tones at -40 dB, which an input must receive
+    /// while the device drives, and not while it is muted.
+    #[arg(long, help_heading = "Board", conflicts_with_all = ["wire", "amplifier_unplugged", "ask"])]
+    amplifier: bool,
+    #[command(flatten)]
+    arming: ArmingArgument,
     /// Test in three seconds: fewer codes, and the clocks over that time alone.
     #[arg(long, help_heading = "Board")]
     short: bool,
@@ -43,7 +49,7 @@ pub struct SelftestArguments {
     #[command(flatten)]
     force: ForceArgument,
     /// Judge this report by the limits of this program; no device is tested.
-    #[arg(long, value_name = "REPORT.json", conflicts_with_all = ["port", "actual_plate", "wire", "amplifier_unplugged", "short", "ask", "out"])]
+    #[arg(long, value_name = "REPORT.json", conflicts_with_all = ["port", "actual_plate", "wire", "amplifier_unplugged", "amplifier", "short", "ask", "out"])]
     judge: Option<PathBuf>,
 }
 
@@ -93,11 +99,16 @@ fn test(arguments: &SelftestArguments) -> Result<Answer, Failure> {
     }
     let wires = |wire| arguments.wire.contains(&wire);
     let options = Options {
-        wires: Wires { dac_to_sensor: wires(Wire::DacToSensor), trigger: wires(Wire::Trigger) },
+        wires: Wires {
+            dac_to_sensor: wires(Wire::DacToSensor),
+            trigger: wires(Wire::Trigger),
+            amplifier_to_sensor: arguments.amplifier,
+        },
         ..Options::default()
     };
     let request = SelftestRequest {
         is_amplifier_unplugged: arguments.amplifier_unplugged,
+        is_amplifier_on: arguments.amplifier,
         // Nobody presses the button of the simulated device.
         asks: arguments.ask || port != Port::Simulated && io::stderr().is_terminal(),
         is_short: arguments.short,
@@ -106,11 +117,8 @@ fn test(arguments: &SelftestArguments) -> Result<Answer, Failure> {
     };
     let device = Device::observe_simulating(&port, options)?;
     device.identity()?;
-    let faults =
-        device.snapshot().drive.status.map(|status| status.faults).filter(|faults| !faults.is_empty());
-    if let Some(faults) = faults {
-        let way = "`slipline drive --clear-faults` clears that";
-        return Err(Failure::Failed(format!("the device has stopped: {faults}; {way}")));
+    if arguments.amplifier {
+        device.may_be_armed(&arguments.arming)?;
     }
     let mut asked = None;
     let report = progress::reported("self-test", |progress| {

@@ -33,6 +33,8 @@ fn step<'a>(report: &'a mut Value, name: &str) -> &'a mut Value {
 #[test]
 fn a_report_is_judged_offline_by_the_limits_of_the_program() {
     let (mut report, path) = report("report.json");
+    assert_eq!(report["wires"], json!(["dac=sensor", "trigger=trigger-in"]));
+    assert_eq!(report["short"], true);
     for wired in ["DAC to ADC", "delay", "noise", "trigger", "codes", "load", "supply", "mute"] {
         let step = step(&mut report, wired);
         assert_eq!(step["verdict"], "green", "{step}");
@@ -60,7 +62,7 @@ fn a_report_is_judged_offline_by_the_limits_of_the_program() {
     let supply = step(&mut bad, "supply");
     assert_eq!(supply["verdict"], "red");
     says(supply["sentence"].as_str().unwrap(), &["VREF+ is 2.7 V, allowed: 2.9 V to 3.4 V."]);
-    refused(&["selftest", "--judge", &path], 3, &["1 of 17 steps is red"]);
+    refused(&["selftest", "--judge", &path], 3, &["1 of 18 steps is red"]);
 }
 
 #[test]
@@ -76,7 +78,7 @@ fn a_broken_report_is_refused_with_its_field() {
         ("/schema", json!(0), "schema = 0: must be 1, that of this version"),
         ("/unit", json!(7), "unit: must be a text"),
         ("/simulated", json!("no"), "simulated: must be true or false"),
-        ("/steps", json!({}), "steps: must be a list of up to 17 entries"),
+        ("/steps", json!({}), "steps: must be a list of up to 18 entries"),
         ("/steps", json!([]), "steps has no step \"clocks\""),
         ("/steps/1/name", json!("suply"), "steps[1].name = \"suply\": must be \"supply\""),
         (
@@ -89,8 +91,21 @@ fn a_broken_report_is_refused_with_its_field() {
         (
             "/steps/1/readings/0/quantity",
             json!("VREF+ "),
-            "steps[1].readings has no \"VREF+\", by which the step is green",
+            "steps[1].readings[0].quantity = \"VREF+ \": must be VREF+, brown-out level unset",
         ),
+        (
+            "/steps/1/readings/0/value_unit",
+            json!("mV"),
+            "steps[1].readings[0].value_unit = \"mV\": must be \"V\"",
+        ),
+        (
+            "/steps/10/readings/2/value",
+            json!(-1),
+            "steps[10].readings[2].value = -1: must be a whole number from 0",
+        ),
+        ("/steps/7/readings/0/value", json!(0.5), "steps[7].readings[0].value = 0.5: must be a whole number"),
+        ("/wires", json!(["dac"]), "wires[0]: must be dac=sensor or trigger=trigger-in"),
+        ("/short", json!(1), "short: must be true or false"),
         ("/steps/1/verdict", json!("skipped"), "steps[1].readings: must be empty in a skipped step"),
         (
             "/unit",
@@ -103,6 +118,10 @@ fn a_broken_report_is_refused_with_its_field() {
         *broken.pointer_mut(place).unwrap() = value;
         refuses(&broken.to_string(), &[wanted]);
     }
+    // A step without its first number.
+    let mut broken = good.clone();
+    broken["steps"][1]["readings"].as_array_mut().unwrap().remove(0);
+    refuses(&broken.to_string(), &["steps[1].readings has no \"VREF+\", by which the step is green"]);
     let mut broken = good;
     broken.as_object_mut().unwrap().remove("board");
     refuses(&broken.to_string(), &["board is missing"]);
@@ -115,6 +134,34 @@ fn bad_usage_of_a_selftest_names_what_is_allowed() {
     refused(&["selftest", "--actual-plate", "membrane"], 2, &["--actual-plate"]);
     refused(&["selftest", "--port", "/dev/ttyNone"], 1, &["/dev/ttyNone"]);
     refused(&["selftest", "--judge", "no-report.json"], 2, &["no-report.json"]);
+    refused(&["selftest", "--amplifier", "--amplifier-unplugged"], 2, &["--amplifier"]);
+    refused(&["selftest", "--amplifier", "--wire", "dac=sensor"], 2, &["--amplifier", "--wire"]);
+}
+
+#[test]
+fn the_amplifier_is_tested_by_itself() {
+    // The clocks of a busy computer do not matter here.
+    let output = slipline(&["selftest", "--port", "sim", "--amplifier", "--json"]);
+    let mut report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(step(&mut report, "mute")["verdict"], "green");
+    let amplifier = step(&mut report, "amplifier");
+    assert_eq!(amplifier["verdict"], "green", "{amplifier}");
+    assert!(amplifier["readings"][1]["value"].as_f64().unwrap() > 20.0, "{amplifier}");
+    assert_eq!(step(&mut report, "load")["verdict"], "skipped");
+}
+
+#[test]
+fn a_report_that_would_be_the_trace_is_refused_before_anything_is_driven() {
+    let path = file("report-and-trace.json");
+    let path = path.to_str().unwrap();
+    let (folder, name) = path.rsplit_once('/').unwrap();
+    let other = format!("{folder}/./{name}");
+    for out in [path, other.as_str()] {
+        let command = ["selftest", "--port", "sim", "--force", "--trace", path, "--out", out];
+        refused(&command, 2, &["is the file of --trace: name another file"]);
+        assert_eq!(std::fs::read_to_string(path).unwrap(), "", "no frame went to a device");
+    }
+    std::fs::remove_file(path).unwrap();
 }
 
 #[cfg(unix)]

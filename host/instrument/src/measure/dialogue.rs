@@ -133,9 +133,9 @@ impl Dialogue {
         Ok(())
     }
 
-    /// Faults of the device end the procedure no more; the link's snapshots are kept for [`seen`](Self::seen).
-    pub(crate) fn bear_faults(&self) {
-        self.0.borrow_mut().bears_faults = true;
+    /// Forgets the slowest answer so far.
+    pub(crate) fn forget_slowest(&self) {
+        self.0.borrow_mut().slowest = Duration::ZERO;
     }
 
     /// Asks a person, or no more.
@@ -143,12 +143,12 @@ impl Dialogue {
         self.0.borrow_mut().prompt = prompt;
     }
 
-    /// What this reads in the link's latest snapshot; `None` before [`bear_faults`](Self::bear_faults).
+    /// What this reads in the link's latest snapshot; `None` in a procedure that does not bear faults.
     pub(crate) fn seen<T>(&self, read: impl FnOnce(&Snapshot) -> T) -> Option<T> {
         self.0.borrow().seen.as_ref().map(read)
     }
 
-    /// The slowest answer that was seen since [`bear_faults`](Self::bear_faults).
+    /// The slowest answer that was seen since [`forget_slowest`](Self::forget_slowest).
     pub(crate) fn slowest(&self) -> Duration {
         self.0.borrow().slowest
     }

@@ -54,6 +54,11 @@ pub enum MeasureError {
     /// The device stopped the tones; the text names its faults.
     #[error("the device stopped: {0}")]
     Fault(String),
+    /// The device had stopped before the procedure began; the text names its faults.
+    #[error(
+        "the device has stopped: {0}; clear that fault first: *Clear fault* in the window, `slipline drive --clear-faults`, or `device.clear_faults()` in Python"
+    )]
+    StandingFault(String),
     /// Another drive was played meanwhile.
     #[error("the tones were stopped before they were measured")]
     Stopped,

@@ -15,6 +15,8 @@ pub trait Procedure: 'static {
     type Heard;
     /// Its result.
     type Found;
+    /// Whether faults of the device do not end it, because it looks at them itself. The link's snapshots are kept for it.
+    const BEARS_FAULTS: bool = false;
 
     /// Sends its requests, the last of which is a stop. After an error [`Run`] sends that stop.
     ///
@@ -73,6 +75,7 @@ impl<P: Procedure> Run<P> {
     /// Starts the procedure at the next step.
     pub fn of(procedure: P) -> Self {
         let dialogue = Dialogue::default();
+        dialogue.state().bears_faults = P::BEARS_FAULTS;
         Self {
             course: Box::pin(procedure.carry_out(dialogue.clone())),
             dialogue,

@@ -54,13 +54,13 @@ impl Course {
     /// Compares the clocks since this moment, which is long enough ago when this returns.
     pub(super) async fn clocks(&self, since: Moment) -> Result<StepResult, MeasureError> {
         let name = step::CLOCKS;
-        let span_s = if self.request.is_short { 0.0 } else { CLOCKS_S };
+        let span_s = if self.is_short() { 0.0 } else { CLOCKS_S };
         self.dialogue.past(since.sample + self.samples(span_s)).await?;
         let now = self.moment().await?;
         let elapsed_s = now.time.saturating_sub(since.time).as_secs_f64();
         let by_samples_s = now.sample.saturating_sub(since.sample) as f64 / self.rate_hz;
-        let quantity = if self.request.is_short { "rate error in a short time" } else { "rate error" };
-        let mut readings = vec![reading(name, quantity, ppm(by_samples_s / elapsed_s.max(1e-9)), "ppm")];
+        let quantity = if self.is_short() { "rate error in a short time" } else { "rate error" };
+        let mut readings = vec![reading(name, quantity, ppm(by_samples_s / elapsed_s.max(1e-9)))];
         readings.extend(self.cycles(&since.device, &now.device));
         readings.extend(self.usb().await?);
         let good = format!("The samples keep the host's time over {elapsed_s:.1} s.");
@@ -75,14 +75,14 @@ impl Course {
         }
         let expected = now.at.saturating_sub(since.at) as f64 / self.rate_hz * core_hz;
         let counted = near(expected, now.cycles.wrapping_sub(since.cycles));
-        Some(reading(step::CLOCKS, "cycle error", ppm(counted / expected.max(1.0)), "ppm"))
+        Some(reading(step::CLOCKS, "cycle error", ppm(counted / expected.max(1.0))))
     }
 
     /// The processor's clock over the frames of the USB, read so often that their number wraps once at most between two readings;
     /// none without USB.
     async fn usb(&self) -> Result<Option<Reading>, MeasureError> {
         let Some(core_hz) = self.core_hz() else { return Ok(None) };
-        let span_s = if self.request.is_short { 0.1 } else { CLOCKS_S };
+        let span_s = if self.is_short() { 0.1 } else { CLOCKS_S };
         let usb = |snapshot: &Snapshot| snapshot.device.clock.and_then(|clock| clock.usb);
         let Some(first) = self.dialogue.seen(usb).flatten() else { return Ok(None) };
         let (mut last, mut frames, mut cycles) = (first, 0_u64, 0_u64);
@@ -98,7 +98,7 @@ impl Course {
         }
         let by_frames_s = frames as f64 * 1e-3;
         let share = cycles as f64 / core_hz / by_frames_s.max(1e-3);
-        Ok(Some(reading(step::CLOCKS, "error by USB frames", ppm(share), "ppm")))
+        Ok(Some(reading(step::CLOCKS, "error by USB frames", ppm(share))))
     }
 
     fn core_hz(&self) -> Option<f64> {
@@ -122,14 +122,14 @@ impl Course {
         }
         let volts = f64::from(analogue.reference_mv) / 1000.0;
         let unset = maintenance.map(|report| f64::from(u8::from(!report.brown_out_guarded)));
-        let mut readings = vec![reading(name, "VREF+", volts, "V")];
-        readings.extend(unset.map(|unset| reading(name, "brown-out level unset", unset, "")));
+        let mut readings = vec![reading(name, "VREF+", volts)];
+        readings.extend(unset.map(|unset| reading(name, "brown-out level unset", unset)));
         let level = analogue.brown_out_level.map(f64::from);
-        readings.extend(level.map(|level| reading(name, "brown-out level", level, "")));
-        readings.push(reading(name, "linear share", f64::from(analogue.linear_per_mille) / 10.0, "%"));
+        readings.extend(level.map(|level| reading(name, "brown-out level", level)));
+        readings.push(reading(name, "linear share", f64::from(analogue.linear_per_mille) / 10.0));
         if analogue.chip != 0 {
-            readings.push(reading(name, "chip", f64::from(analogue.chip), ""));
-            readings.push(reading(name, "silicon revision", f64::from(analogue.revision), ""));
+            readings.push(reading(name, "chip", f64::from(analogue.chip)));
+            readings.push(reading(name, "silicon revision", f64::from(analogue.revision)));
         }
         let reset = reset.map_or_else(String::new, |cause| format!(" The last reset: {cause:?}."));
         StepResult::judged(name, readings, format!("The reference is within its range.{reset}"))
@@ -152,10 +152,10 @@ impl Course {
             MuteResistor::Missing => Some(1.0),
         };
         let mut readings: Vec<Reading> =
-            resistor.into_iter().map(|missing| reading(name, "resistor missing", missing, "")).collect();
+            resistor.into_iter().map(|missing| reading(name, "resistor missing", missing)).collect();
         if levels.iter().any(|&level| level != PinLevel::NoPin) {
             let high = levels.iter().filter(|&&level| level == PinLevel::High).count();
-            readings.push(reading(name, "pin high while muted", high as f64, ""));
+            readings.push(reading(name, "pin high while muted", high as f64));
         }
         if readings.is_empty() {
             return StepResult::skipped(name, "The device has no mute pin, or does not look at it.");
@@ -194,9 +194,9 @@ impl Course {
                     "The pin stays low where the device is armed: see the step mute.",
                 ));
             }
-            readings.push(reading(name, silent, f64::from(u8::from(fall.is_none())), ""));
+            readings.push(reading(name, silent, f64::from(u8::from(fall.is_none()))));
             let in_ms = fall.map(|fall| f64::from(fall.low_after_us) / 1000.0);
-            readings.extend(in_ms.map(|ms| reading(name, late, ms, "ms")));
+            readings.extend(in_ms.map(|ms| reading(name, late, ms)));
         }
         self.dialogue.disarm().await?;
         Ok(StepResult::judged(
@@ -204,6 +204,11 @@ impl Course {
             readings,
             "The pin goes low by itself when no block comes, and at once by a break.",
         ))
+    }
+
+    /// How the link has done so far.
+    pub(super) fn link_record(&self) -> LinkRecord {
+        self.dialogue.seen(LinkRecord::of).unwrap_or_default()
     }
 
     /// How the link has done since the test began.
@@ -215,9 +220,9 @@ impl Course {
         // The slowest answer of the connection counts if it is one of the test.
         let longest = if now.worst > before.worst { now.worst } else { self.dialogue.slowest() };
         let readings = vec![
-            reading(name, "longest answer", longest.as_secs_f64(), "s"),
-            reading(name, "damaged frames", f64::from(now.damaged.saturating_sub(before.damaged)), ""),
-            reading(name, "repeated commands", f64::from(now.repeats.saturating_sub(before.repeats)), ""),
+            reading(name, "longest answer", longest.as_secs_f64()),
+            reading(name, "damaged frames", f64::from(now.damaged.saturating_sub(before.damaged))),
+            reading(name, "repeated commands", f64::from(now.repeats.saturating_sub(before.repeats))),
         ];
         StepResult::judged(name, readings, "The device answers in time.")
     }
@@ -235,7 +240,7 @@ pub(super) struct LinkRecord {
 }
 
 impl LinkRecord {
-    pub(super) fn of(snapshot: &Snapshot) -> Self {
+    fn of(snapshot: &Snapshot) -> Self {
         let of_device = snapshot.drive.status.map_or(0, |status| status.counters.crc_errors);
         Self {
             worst: snapshot.link.round_trip.worst,

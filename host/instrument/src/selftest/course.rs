@@ -1,6 +1,6 @@
 //! What the steps share: the device's numbers, and the requests that several of them send.
 
-use super::limits;
+use super::quantities::quantity;
 use super::report::{Reading, StepResult};
 use super::request::SelftestRequest;
 use crate::measure::{Dialogue, MeasureError, ended_by, is_late};
@@ -15,8 +15,9 @@ use std::sync::Arc;
 
 /// The sensor's input.
 pub(super) const SENSOR: u8 = 0;
-/// Time from a request to the sample at which it acts, seconds, over the slowest link.
-pub(super) const AHEAD_S: f64 = 0.1;
+/// Time from a request to the sample at which it acts, seconds: over the slowest link, and in a short test, which tries again.
+const AHEAD_S: f64 = 0.1;
+const SHORT_AHEAD_S: f64 = 0.03;
 /// Attempts at a request that arrives after the sample at which it acts.
 pub(super) const TRIES: u32 = 4;
 /// Time after a stop by which the replay knows that the device is silent, seconds.
@@ -75,6 +76,17 @@ impl Course {
             obstacle: RefCell::default(),
             reported: Cell::new(Faults::NONE),
         })
+    }
+
+    /// Whether the clocks are compared over the time of the test alone.
+    pub(super) const fn is_short(&self) -> bool {
+        self.request.is_short || self.request.is_amplifier_on
+    }
+
+    /// How long before the sample at which it acts a request is sent, at this attempt.
+    pub(super) fn ahead_s(&self, tries: u32) -> f64 {
+        let tries = f64::from(tries);
+        if self.request.is_short { SHORT_AHEAD_S * tries * tries } else { AHEAD_S * tries }
     }
 
     pub(super) const fn samples(&self, time_s: f64) -> u64 {
@@ -205,7 +217,7 @@ impl Course {
         let mut tries = 1;
         loop {
             self.dialogue.done(Request::Refresh).await?;
-            let from = earliest.max(self.dialogue.now() + self.samples(f64::from(tries) * AHEAD_S));
+            let from = earliest.max(self.dialogue.now() + self.samples(self.ahead_s(tries)));
             let from = from.next_multiple_of(slipline_link::BLOCK as u64);
             let outcome = if let Some(samples) = samples {
                 self.dialogue.begin(request(from));
@@ -221,7 +233,7 @@ impl Course {
         }
     }
 
-    /// Captures the sensor's input, not before a sample. `is_busy`: with requests as fast as the device answers them meanwhile.
+    /// Captures the sensor's input, as [`capture_of`](Self::capture_of).
     pub(super) async fn capture(
         &self,
         earliest: u64,
@@ -229,16 +241,28 @@ impl Course {
         values: u16,
         is_busy: bool,
     ) -> Result<Arc<Captured>, MeasureError> {
+        self.capture_of(SENSOR, earliest, log2_codes, values, is_busy).await
+    }
+
+    /// Captures an input, not before a sample. `is_busy`: with requests as fast as the device answers them meanwhile.
+    pub(super) async fn capture_of(
+        &self,
+        input: u8,
+        earliest: u64,
+        log2_codes: u8,
+        values: u16,
+        is_busy: bool,
+    ) -> Result<Arc<Captured>, MeasureError> {
         let samples = is_busy.then_some(u64::from(values) << log2_codes);
-        let request =
-            |from| Request::Capture(CaptureRequest { from: Some(from), input: SENSOR, log2_codes, values });
+        let request = |from| Request::Capture(CaptureRequest { from: Some(from), input, log2_codes, values });
         let outcome = self.in_time(earliest, samples, request).await?;
         if let Outcome::Captured(captured) = outcome { Ok(captured) } else { Err(ended_by(&outcome)) }
     }
 }
 
 /// The reading of a step's quantity.
-pub(super) fn reading(step: &str, quantity: &str, value: f64, unit: &str) -> Reading {
-    debug_assert!(limits::step::ALL.contains(&step));
-    Reading::new(step, quantity, value, unit)
+pub(super) fn reading(step: &str, name: &str, value: f64) -> Reading {
+    let known = quantity(step, name);
+    debug_assert!(known.is_some_and(|known| known.allows(value)), "{step}: {name} = {value}");
+    Reading::new(step, name, value, known.map_or("", |known| known.unit))
 }

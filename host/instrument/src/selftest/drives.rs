@@ -1,6 +1,6 @@
 //! Steps by drives on the bench: load, codes, and trigger output to trigger input.
 
-use super::course::{AHEAD_S, Course, SENSOR, SPAN_M, TRIES, reading};
+use super::course::{Course, SENSOR, SPAN_M, TRIES, reading};
 use super::limits::step;
 use super::report::StepResult;
 use crate::measure::{MeasureError, ended_by, is_late};
@@ -84,12 +84,12 @@ impl Course {
         let [(lost_before, late_before), (lost_after, late_after)] =
             [before.unwrap_or_default(), after.unwrap_or_default()];
         let mut readings = vec![
-            reading(name, "lost blocks", f64::from(lost_after.saturating_sub(lost_before)), ""),
-            reading(name, "underruns", f64::from(late_after.saturating_sub(late_before)), ""),
-            reading(name, "drives in that time", drives, ""),
+            reading(name, "lost blocks", f64::from(lost_after.saturating_sub(lost_before))),
+            reading(name, "underruns", f64::from(late_after.saturating_sub(late_before))),
+            reading(name, "drives in that time", drives),
         ];
         let worst = self.dialogue.seen(Snapshot::worst_block).flatten();
-        readings.extend(worst.map(|share| reading(name, "worst block", 100.0 * share, "%")));
+        readings.extend(worst.map(|share| reading(name, "worst block", 100.0 * share)));
         Ok(StepResult::judged(name, readings, "The device keeps up with tones, inputs and a busy link."))
     }
 
@@ -105,9 +105,9 @@ impl Course {
         }
         self.dialogue.stop().await?;
         let readings = vec![
-            reading(name, "windows that differ", f64::from(differing), ""),
-            reading(name, "windows", f64::from(windows), ""),
-            reading(name, "compared time", f64::from(windows) * window_s, "s"),
+            reading(name, "windows that differ", f64::from(differing)),
+            reading(name, "windows", f64::from(windows)),
+            reading(name, "compared time", f64::from(windows) * window_s),
         ];
         let result = StepResult::judged(name, readings, "The device sends the mirror's codes.");
         Ok(Compared { result, crc: format!("{:08x}", all.finalize()) })
@@ -117,7 +117,7 @@ impl Course {
     async fn window(&self, window_s: f64) -> Result<(u32, u32), MeasureError> {
         let mut tries = 1;
         loop {
-            let (window, outcome) = self.driven_window(window_s, f64::from(tries) * AHEAD_S).await?;
+            let (window, outcome) = self.driven_window(window_s, self.ahead_s(tries)).await?;
             if is_late(&outcome) && tries < TRIES {
                 tries += 1;
                 continue;
@@ -178,7 +178,7 @@ impl Course {
             )),
             Some(at) => {
                 let samples = (at - waits + EARLY) as f64;
-                let readings = vec![reading(name, "trigger delay", samples, "samples")];
+                let readings = vec![reading(name, "trigger delay", samples)];
                 Ok(StepResult::judged(name, readings, "A rise of the trigger input begins a drive in time."))
             }
         }

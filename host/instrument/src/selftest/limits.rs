@@ -36,12 +36,14 @@ pub mod step {
     pub const BOOTLOADER: &str = "bootloader";
     /// Faults on purpose.
     pub const FAULTS: &str = "faults";
+    /// The amplifier, muted and on.
+    pub const AMPLIFIER: &str = "amplifier";
     /// What no version looks at yet.
     pub const OTHERS: &str = "others";
     /// All of them.
-    pub const ALL: [&str; 17] = [
+    pub const ALL: [&str; 18] = [
         CLOCKS, SUPPLY, MUTE, MUTE_TIME, DAC_TO_ADC, DELAY, NOISE, LOAD, CODES, TRIGGER, LINK, STORE, STALL,
-        BUTTONS, BOOTLOADER, FAULTS, OTHERS,
+        BUTTONS, BOOTLOADER, FAULTS, AMPLIFIER, OTHERS,
     ];
 }
 
@@ -101,6 +103,9 @@ const LAG: &str = "The input samples at another time than the device states: loo
 const UNSAFE: &str = "The timer that mutes does not do what it must: do not connect an amplifier.";
 const NOTHING: &str = "Nothing was tested: run the self-test again.";
 const QUIETER: &str = "Look at the reference's capacitor, at ground, and at the supply.";
+
+/// From here on a tone stands out, dB: over the noise, and over what passes while the amplifier is muted.
+pub(super) const SHOWN_DB: f64 = 20.0;
 
 /// All limits.
 pub const LIMITS: &[Limit] = &[
@@ -215,6 +220,18 @@ pub const LIMITS: &[Limit] = &[
         "stop input not closed in time",
         NONE,
         "The stop input was not seen to close: look at its wires.",
+    ),
+    red(
+        step::AMPLIFIER,
+        "tone over noise",
+        (Some(SHOWN_DB), None),
+        "Neither muted nor unmuted does a tone arrive at an input: is the amplifier on, and a sensor or a shunt connected?",
+    ),
+    red(
+        step::AMPLIFIER,
+        "rise by unmuting",
+        (Some(SHOWN_DB), None),
+        "The amplifier is on while the device mutes it: switch it off, and look at the polarity of its enable.",
     ),
 ];
 

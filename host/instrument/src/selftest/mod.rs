@@ -8,9 +8,11 @@
 //! - `request.rs`: the fitted wires, and the permitted steps
 //! - `procedure.rs`: the order of the steps; `course.rs`: what they share
 //! - `at_rest.rs`: clocks, supply, mute pin, link; `wire.rs`, `noise.rs`: by a wire from the DAC to the sensor's input;
-//!   `drives.rs`: load, codes, trigger; `person.rs`: button, stop input, flash
-//! - `limits.rs`: every limit, and what to look at beyond it; `report.rs`, `verdict.rs`: the results
+//!   `drives.rs`: load, codes, trigger; `person.rs`: button, stop input, flash; `amplifier.rs`: the amplifier, by a test of its own
+//! - `quantities.rs`: every number with its unit; `limits.rs`: every limit, and what to look at beyond it; `report.rs`,
+//!   `verdict.rs`: the results
 
+mod amplifier;
 mod at_rest;
 mod course;
 mod drives;
@@ -18,6 +20,7 @@ mod limits;
 mod noise;
 mod person;
 mod procedure;
+mod quantities;
 mod report;
 mod request;
 mod verdict;
@@ -26,6 +29,7 @@ mod wire;
 pub use limits::of as limits_of;
 pub use limits::{LIMITS, Limit, is_step, required, step};
 pub use procedure::Selftesting;
+pub use quantities::{Quantity, of as quantities_of, quantity};
 pub use report::{Reading, SelftestReport, StepResult};
 pub use request::{NoSuchWire, SelftestRequest, Wire};
 pub use verdict::Verdict;

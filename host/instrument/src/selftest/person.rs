@@ -45,7 +45,7 @@ impl Course {
     pub(super) async fn buttons(&self, at_start: &BoardReport) -> Result<StepResult, MeasureError> {
         let name = step::BUTTONS;
         let is_stuck = at_start.user_button == UserButton::Pressed;
-        let unasked = reading(name, "pressed unasked", f64::from(u8::from(is_stuck)), "");
+        let unasked = reading(name, "pressed unasked", f64::from(u8::from(is_stuck)));
         if is_stuck {
             return Ok(StepResult::judged(name, vec![unasked], ""));
         }
@@ -55,7 +55,7 @@ impl Course {
         if !self.request.asks {
             return Ok(StepResult::skipped(name, "Nobody was asked to press the user button."));
         }
-        let failed = |quantity, done: bool| reading(name, quantity, f64::from(u8::from(!done)), "");
+        let failed = |quantity, done: bool| reading(name, quantity, f64::from(u8::from(!done)));
         let pressed =
             self.asked(Prompt::PressButton, |board| board.user_button == UserButton::Pressed).await?;
         let mut readings = vec![unasked, failed("not pressed in time", pressed)];
@@ -110,8 +110,8 @@ impl Course {
         }
         self.asked(Prompt::ReleaseButton, |board| board.user_button != UserButton::Pressed).await?;
         let readings = vec![
-            reading(name, "profiles that differ", f64::from(differing), ""),
-            reading(name, "longest write", longest_s, "s"),
+            reading(name, "profiles that differ", f64::from(differing)),
+            reading(name, "longest write", longest_s),
         ];
         Ok(StepResult::judged(
             name,

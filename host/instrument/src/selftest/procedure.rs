@@ -1,6 +1,5 @@
 //! The order of the steps.
 
-use super::at_rest::LinkRecord;
 use super::course::Course;
 use super::limits::step;
 use super::report::{SelftestReport, StepResult};
@@ -13,7 +12,8 @@ use slipline_link::{Request, Snapshot};
 /// The self-test of a connected device, which it disarms at its begin and leaves disarmed.
 ///
 /// The mute pin stays low except in the step that times it, and there only with
-/// [`is_amplifier_unplugged`](SelftestRequest::is_amplifier_unplugged).
+/// [`is_amplifier_unplugged`](SelftestRequest::is_amplifier_unplugged); and in the step with the amplifier, only with
+/// [`is_amplifier_on`](SelftestRequest::is_amplifier_on).
 pub struct Selftesting {
     request: SelftestRequest,
 }
@@ -29,21 +29,23 @@ impl Selftesting {
 const NO_SENSOR_WIRE: &str = "Not wired: connect the DAC's pin with the sensor's pin (dac=sensor).";
 const NO_TRIGGER_WIRE: &str =
     "Not wired: connect the trigger output with the trigger input (trigger=trigger-in).";
+const NO_AMPLIFIER: &str = "The amplifier is tested by itself, once all else has passed (--amplifier).";
 const PLUGGED: &str = "It takes the mute pin high: unplug the amplifier first (--amplifier-unplugged).";
 
 impl Procedure for Selftesting {
     type Heard = SelftestReport;
     type Found = SelftestReport;
+    const BEARS_FAULTS: bool = true;
 
     async fn carry_out(self, dialogue: Dialogue) -> Result<SelftestReport, MeasureError> {
         dialogue.done(Request::Refresh).await?;
-        dialogue.bear_faults();
-        // The state that this request finds is the first that is seen.
+        // The answer to this request is the first that counts.
+        dialogue.forget_slowest();
         dialogue.done(Request::Refresh).await?;
         let course = Course::new(dialogue.clone(), self.request)?;
         let faults = course.faults();
         if !faults.is_empty() {
-            return Err(MeasureError::Fault(faults.to_string()));
+            return Err(MeasureError::StandingFault(faults.to_string()));
         }
         course.carry_out().await
     }
@@ -60,11 +62,23 @@ impl Course {
     }
 
     async fn carry_out(self) -> Result<SelftestReport, MeasureError> {
-        let course = &self;
+        self.dialogue.disarm().await?;
+        let (steps, codes_crc) = if self.request.is_amplifier_on {
+            (self.with_amplifier().await?, None)
+        } else {
+            self.without_amplifier().await?
+        };
+        self.mark(step::ALL.len());
+        let reported = self.dialogue.seen(|snapshot| report(snapshot, self.request, codes_crc, steps));
+        reported.flatten().ok_or(MeasureError::Lost)
+    }
+
+    /// The steps without an amplifier, and the CRC of the compared codes.
+    async fn without_amplifier(&self) -> Result<(Vec<StepResult>, Option<String>), MeasureError> {
+        let course = self;
         let dialogue = &course.dialogue;
-        dialogue.disarm().await?;
         let since = course.moment().await?;
-        let link_before = dialogue.seen(LinkRecord::of).unwrap_or_default();
+        let link_before = course.link_record();
         let board = course.board_or_none().await?;
         if board.user_button == UserButton::Pressed {
             let why = "The user button reads pressed, so the device cannot be armed.";
@@ -116,7 +130,6 @@ impl Course {
         let buttons = course.step(step::BUTTONS, course.buttons(&board)).await?;
         course.mark(13);
         let clocks = course.step(step::CLOCKS, course.clocks(since)).await?;
-        course.mark(step::ALL.len());
         let steps = vec![
             clocks,
             supply,
@@ -134,12 +147,13 @@ impl Course {
             buttons,
             StepResult::skipped(step::BOOTLOADER, "The ROM's answers are not looked at by this version."),
             StepResult::skipped(step::FAULTS, "No message makes the device fail on purpose."),
+            StepResult::skipped(step::AMPLIFIER, NO_AMPLIFIER),
             StepResult::skipped(
                 step::OTHERS,
-                "This version does not look at RAM ECC, bus resets, the lamp, or the amplifier itself.",
+                "This version does not look at RAM ECC, bus resets, or the lamp.",
             ),
         ];
-        dialogue.seen(|snapshot| report(snapshot, codes_crc, steps)).flatten().ok_or(MeasureError::Lost)
+        Ok((steps, codes_crc))
     }
 
     /// The steps by the wire from the DAC's pin to the sensor's. Lag and noise say nothing while the codes do not arrive.
@@ -174,14 +188,14 @@ impl Course {
     }
 
     /// The board; nothing of it with a firmware that does not report it.
-    async fn board_or_none(&self) -> Result<BoardReport, MeasureError> {
+    pub(super) async fn board_or_none(&self) -> Result<BoardReport, MeasureError> {
         match self.board().await {
             Err(MeasureError::TooOld) => Ok(BoardReport::default()),
             read => read,
         }
     }
 
-    async fn mute_level_or_none(&self) -> Result<PinLevel, MeasureError> {
+    pub(super) async fn mute_level_or_none(&self) -> Result<PinLevel, MeasureError> {
         match self.mute_level().await {
             Err(MeasureError::TooOld) => Ok(PinLevel::NoPin),
             read => read,
@@ -190,7 +204,12 @@ impl Course {
 }
 
 /// The report of the connected device; `None` without one.
-fn report(snapshot: &Snapshot, codes_crc: Option<String>, steps: Vec<StepResult>) -> Option<SelftestReport> {
+fn report(
+    snapshot: &Snapshot,
+    request: SelftestRequest,
+    codes_crc: Option<String>,
+    steps: Vec<StepResult>,
+) -> Option<SelftestReport> {
     let identity = snapshot.device.identity.as_ref()?;
     let (major, minor, patch) = identity.firmware;
     Some(SelftestReport {
@@ -199,6 +218,8 @@ fn report(snapshot: &Snapshot, codes_crc: Option<String>, steps: Vec<StepResult>
         firmware: format!("{major}.{minor}.{patch}"),
         build: identity.build.to_string(),
         simulated: identity.simulated,
+        wires: request.wires().map(|wire| wire.name().to_owned()).collect(),
+        short: request.is_short,
         codes_crc,
         steps,
     })

@@ -145,6 +145,10 @@ pub struct SelftestReport {
     pub build: String,
     /// Whether the device is simulated.
     pub simulated: bool,
+    /// The wires that were fitted, by their names.
+    pub wires: Vec<String>,
+    /// Whether it was a short test.
+    pub short: bool,
     /// CRC-32 over the digests of the compared windows of codes, in hexadecimal; `None` where none were compared.
     pub codes_crc: Option<String>,
     /// The steps, always in the same order.

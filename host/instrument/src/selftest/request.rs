@@ -47,6 +47,8 @@ pub struct SelftestRequest {
     pub has_trigger_wire: bool,
     /// The amplifier is unplugged: steps may take the mute pin high.
     pub is_amplifier_unplugged: bool,
+    /// The amplifier is connected and on: it alone is tested, quietly, with what needs no drive.
+    pub is_amplifier_on: bool,
     /// A person at the board presses its button when asked.
     pub asks: bool,
     /// In three seconds of the device's time: fewer codes, and the clocks over that time alone.
@@ -61,5 +63,14 @@ impl SelftestRequest {
     pub fn with_wires(self, wires: &[Wire]) -> Self {
         let has = |wire| wires.contains(&wire);
         Self { has_sensor_wire: has(Wire::DacToSensor), has_trigger_wire: has(Wire::Trigger), ..self }
+    }
+
+    /// The fitted wires.
+    pub fn wires(self) -> impl Iterator<Item = Wire> {
+        let has = move |wire: &Wire| match wire {
+            Wire::DacToSensor => self.has_sensor_wire,
+            Wire::Trigger => self.has_trigger_wire,
+        };
+        Wire::ALL.into_iter().filter(has)
     }
 }

@@ -44,11 +44,11 @@ impl Course {
         let line = Line::through(&pairs, FITTED * HALF * self.linear.min(self.most));
         let name = step::DAC_TO_ADC;
         let readings = vec![
-            reading(name, "slope", line.slope, ""),
-            reading(name, "offset", line.offset, "codes"),
-            reading(name, "nonlinearity", line.nonlinearity, "codes"),
-            reading(name, "lowest linear code", (HALF + line.ends.0).round(), ""),
-            reading(name, "highest linear code", (HALF + line.ends.1).round().min(2.0 * HALF - 1.0), ""),
+            reading(name, "slope", line.slope),
+            reading(name, "offset", line.offset),
+            reading(name, "nonlinearity", line.nonlinearity),
+            reading(name, "lowest linear code", (HALF + line.ends.0).round()),
+            reading(name, "highest linear code", (HALF + line.ends.1).round().min(2.0 * HALF - 1.0)),
         ];
         let good = format!("The input reads the DAC's codes, by {STRETCHES} stretches of a slow sine.");
         Ok(StepResult::judged(name, readings, good))
@@ -77,9 +77,9 @@ impl Course {
         for ((harmonic, (_, quantity)), answer) in harmonics.into_iter().zip(LAGS).zip(listened.answers) {
             let (re, im) = answer.ok_or(MeasureError::Unknown)?;
             let hz = f64::from(harmonic) * base_hz;
-            readings.push(reading(name, quantity, -im.atan2(re) / TAU / hz * 1e6, "us"));
+            readings.push(reading(name, quantity, -im.atan2(re) / TAU / hz * 1e6));
         }
-        readings.push(reading(name, "stated delay", self.inputs.delay_ns as f64 * 1e-3, "us"));
+        readings.push(reading(name, "stated delay", self.inputs.delay_ns as f64 * 1e-3));
         Ok(StepResult::judged(name, readings, "The input lags behind the codes as little as it should."))
     }
 }

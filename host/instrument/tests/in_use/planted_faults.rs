@@ -1,7 +1,7 @@
 //! Planted faults: each is caught by its own step of the self-test, and no other verdict is wrong.
 
 use crate::desk::{Alter, Desk, FaultyWire, everything, expect, good, named, wired};
-use slipline_instrument::selftest::{SelftestReport, Verdict, step};
+use slipline_instrument::selftest::{SelftestReport, SelftestRequest, StepResult, Verdict, step};
 use slipline_link::Request;
 use slipline_link::protocol::Event;
 use slipline_link::protocol::board::{BoardReport, ClockReport, UsbFrame};
@@ -209,4 +209,55 @@ fn a_boards_own_clocks_are_compared_with_its_samples_and_with_the_usb() {
     assert_eq!(clocks(&tested(1.0002, 1.0, 30_000)).verdict, Verdict::Red);
     // 53 760 cycles are the time of a block.
     assert_eq!(named(&tested(1.0, 1.0, 50_000), Verdict::Red), [step::LOAD]);
+}
+
+/// The step with an amplifier, of a device with this fault and a sensor that receives the amplifier; and the blocks with the amplifier on.
+fn with_amplifier(
+    fault: Option<MuteFault>,
+    change: impl FnOnce(&mut FaultyWire),
+) -> (StepResult, SelftestReport, f64) {
+    let mut wire = FaultyWire::good();
+    wire.amplifier = Some(0.0);
+    change(&mut wire);
+    let device =
+        SimulatedDevice::with_inputs(Options { mute_fault: fault, ..Options::default() }, Box::new(wire));
+    let mut desk = Desk::new(device, None);
+    let report = desk.test(SelftestRequest { is_amplifier_on: true, ..SelftestRequest::default() }).unwrap();
+    let step = report.steps.iter().find(|result| result.name == step::AMPLIFIER).unwrap().clone();
+    let unmuted_s = desk.unmuted() as f64 * 128.0 / 400e3;
+    (step, report, unmuted_s)
+}
+
+#[test]
+fn an_amplifier_that_is_on_while_it_is_muted_is_caught() {
+    let (step, report, unmuted_s) = with_amplifier(None, |_| ());
+    assert_eq!((step.verdict, report.passed()), (Verdict::Green, true), "{report:#?}");
+    assert!(unmuted_s > 0.3 && unmuted_s < 1.0, "{unmuted_s}");
+    let green = ["clocks", "supply", "mute", "link", "amplifier"];
+    assert_eq!(named(&report, Verdict::Green), green, "nothing loud is played");
+    // Inverted: on while the pin is low, muted while the device drives.
+    let (inverted, report, _) = with_amplifier(Some(MuteFault::Inverted), |_| ());
+    assert_eq!(named(&report, Verdict::Red), [step::AMPLIFIER]);
+    assert!(inverted.sentence.contains("polarity of its enable"), "{inverted:?}");
+    assert!(inverted.readings[1].value < -20.0, "{inverted:?}");
+    // A mute without effect.
+    let (deaf, ..) = with_amplifier(None, |wire| wire.amplifier = Some(1.0));
+    assert!(deaf.verdict == Verdict::Red && deaf.readings[1].value.abs() < 3.0, "{deaf:?}");
+    // A muted amplifier that leaks at -40 dB is none.
+    let (leaking, ..) = with_amplifier(None, |wire| wire.amplifier = Some(0.01));
+    assert_eq!(leaking.verdict, Verdict::Green, "{leaking:?}");
+    // One that is off, and no input at all.
+    let (off, ..) = with_amplifier(None, |wire| wire.stuck = Some(2048));
+    assert!(off.verdict == Verdict::Red && off.sentence.contains("is the amplifier on"), "{off:?}");
+    let mut desk = Desk::new(SimulatedDevice::new(Options::default()), None);
+    let report = desk.test(SelftestRequest { is_amplifier_on: true, ..SelftestRequest::default() }).unwrap();
+    assert!(named(&report, Verdict::Skipped).contains(&step::AMPLIFIER) && desk.unmuted() == 0);
+}
+
+#[test]
+fn the_amplifier_is_tested_with_tones_at_minus_40_db() {
+    let mut desk = Desk::new(wired(Options::default(), FaultyWire::good()), None);
+    desk.test(SelftestRequest { is_amplifier_on: true, ..SelftestRequest::default() }).unwrap();
+    let loudest = desk.loudest();
+    assert!((10..=21).contains(&loudest), "{loudest} codes from mid-scale");
 }

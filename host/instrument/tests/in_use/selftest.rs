@@ -22,7 +22,7 @@ fn a_good_board_passes_in_full_with_both_wires_and_the_mute_pin_stays_low() {
     assert!(took_s < 180.0, "{took_s}");
     assert!(report.line().starts_with("SELFTEST PASS unit=73696d756c617465642d3030 build=slipline_"));
     assert!(
-        report.line().ends_with(" skipped=mute_time,stall,bootloader,faults,others"),
+        report.line().ends_with(" skipped=mute_time,stall,bootloader,faults,amplifier,others"),
         "{}",
         report.line()
     );
@@ -65,6 +65,25 @@ fn steps_without_their_wire_or_their_person_are_skipped_and_never_green() {
     let request = SelftestRequest { is_short: true, ..SelftestRequest::default() };
     let report = desk.test(request.with_wires(&[Wire::DacToSensor])).unwrap();
     expect(&report, &[], &skipped);
+}
+
+#[test]
+fn a_standing_fault_is_refused_with_its_way_out_and_nothing_is_driven() {
+    let mut desk = Desk::new(good(), None);
+    desk.send(Request::EmergencyStop);
+    (0..100).for_each(|_| desk.pass());
+    let error = desk.test(everything()).unwrap_err();
+    assert!(matches!(error, MeasureError::StandingFault(_)), "{error:?}");
+    let sentence = error.to_string();
+    assert!(
+        sentence.starts_with("the device has stopped: emergency stop; clear that fault first"),
+        "{sentence}"
+    );
+    assert!(sentence.contains("`slipline drive --clear-faults`"), "{sentence}");
+    assert_eq!(desk.unmuted(), 0);
+    desk.send(Request::ClearFaults);
+    (0..100).for_each(|_| desk.pass());
+    expect(&desk.test(everything()).unwrap(), &[], &[]);
 }
 
 /// The looks that a short test takes.
@@ -170,7 +189,7 @@ fn the_instrument_tests_the_board_at_the_users_request_and_gives_its_table_back(
     session.pass(200);
     assert!(session.is_measuring(), "{}", session.notice());
     session.end_of_measuring();
-    assert_eq!(session.notice(), "The board passes 6 of 17 steps; the others are not shown.");
+    assert_eq!(session.notice(), "The board passes 6 of 18 steps; the others are not shown.");
     let shown = session.instrument.shown();
     assert_eq!(named(shown.selftest.report.unwrap(), Verdict::Red), [""; 0]);
     assert!(!session.is_driving() && table(&session) == before);

@@ -168,7 +168,7 @@ impl SimulatedDevice {
         inputs: Option<Box<dyn SimulatedInputs>>,
     ) -> Self {
         let (guarded, holds) = (options.brown_out_guarded, options.block_waits);
-        let inputs = Inputs::of(inputs, options.wires.dac_to_sensor);
+        let inputs = Inputs::of(inputs, options.wires);
         let peripherals = Peripherals::new(options.flash.clone(), guarded, holds, inputs);
         {
             let mut state = peripherals.lock();
@@ -334,7 +334,7 @@ impl SimulatedDevice {
     /// Whether the amplifier is muted.
     #[must_use]
     pub fn is_muted(&self) -> bool {
-        self.peripherals.lock().muted
+        self.peripherals.lock().is_amplifier_muted()
     }
 
     /// Whether the device has restarted into its bootloader.

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use slipline_app::BLOCK;
+use slipline_app::dds::bank::code::MID_SCALE;
 use slipline_app::ports::{INPUTS, Overrun};
 
 /// Blocks that can wait for the device application; if one more is sampled, the oldest is lost.
@@ -57,28 +58,36 @@ pub struct Wires {
     pub dac_to_sensor: bool,
     /// From the trigger output to the trigger input.
     pub trigger: bool,
+    /// From the DAC through the amplifier to the sensor: the amplifier's output while it is on, mid-scale while it is muted.
+    pub amplifier_to_sensor: bool,
+}
+
+impl Wires {
+    /// Whether one of them ends at the sensor's pin.
+    const fn reach_sensor(self) -> bool {
+        self.dac_to_sensor || self.amplifier_to_sensor
+    }
 }
 
 /// The inputs, and their sampled blocks.
 pub(super) struct Inputs {
     source: Option<Box<dyn SimulatedInputs>>,
-    /// Whether a wire leads from the DAC to the sensor's pin.
-    is_wired: bool,
+    wires: Wires,
     sampled: VecDeque<Result<[[u16; BLOCK]; INPUTS], Overrun>>,
     /// Number of the following blocks to be lost.
     to_lose: u32,
 }
 
 impl Inputs {
-    /// The inputs with these signals, and with a wire from the DAC to the sensor's pin; `None` without either.
-    pub(super) fn of(source: Option<Box<dyn SimulatedInputs>>, is_wired: bool) -> Option<Self> {
-        let is_there = is_wired || source.is_some();
-        is_there.then(|| Self { source, is_wired, sampled: VecDeque::new(), to_lose: 0 })
+    /// The inputs with these signals, and with wires to the sensor's pin; `None` without either.
+    pub(super) fn of(source: Option<Box<dyn SimulatedInputs>>, wires: Wires) -> Option<Self> {
+        let is_there = wires.reach_sensor() || source.is_some();
+        is_there.then(|| Self { source, wires, sampled: VecDeque::new(), to_lose: 0 })
     }
 
     pub(super) fn inputs(&self) -> usize {
         let inputs = self.source.as_ref().map_or(0, |source| source.inputs().min(INPUTS));
-        if self.is_wired { inputs.max(1) } else { inputs }
+        if self.wires.reach_sensor() { inputs.max(1) } else { inputs }
     }
 
     pub(super) fn delay_ns(&self) -> i32 {
@@ -106,8 +115,10 @@ impl Inputs {
         if let Some(source) = &mut self.source {
             source.sample(codes, muted, &mut block);
         }
-        if self.is_wired {
+        if self.wires.dac_to_sensor || self.wires.amplifier_to_sensor && !muted {
             block[0] = *codes;
+        } else if self.wires.amplifier_to_sensor {
+            block[0] = [MID_SCALE; BLOCK];
         }
         for code in block.as_flattened_mut() {
             *code = (*code).min(4095);

@@ -51,6 +51,8 @@ pub enum MuteFault {
     StuckHigh,
     /// A break of the program leaves the pin high.
     DeadBreak,
+    /// The amplifier is on while the pin is low, and muted while it is high.
+    Inverted,
 }
 
 /// State of the peripherals.
@@ -232,6 +234,11 @@ impl PeripheralState {
     /// Takes the mute pin low, if it works.
     pub(super) fn mute(&mut self) {
         self.muted = self.mute_fault != Some(MuteFault::StuckHigh);
+    }
+
+    /// Whether the amplifier is muted: where the pin is low, unless it takes that for on.
+    pub(super) fn is_amplifier_muted(&self) -> bool {
+        self.muted != (self.mute_fault == Some(MuteFault::Inverted))
     }
 
     /// Whether the DAC ramps to mid-scale by itself and plays no block.

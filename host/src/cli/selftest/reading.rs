@@ -3,7 +3,8 @@
 use super::super::schema::SCHEMA;
 use serde_json::{Map, Value};
 use slipline_instrument::selftest::{
-    Reading, SelftestReport, StepResult, Verdict, limits_of, required, step,
+    Quantity, Reading, SelftestReport, StepResult, Verdict, Wire, limits_of, quantities_of, quantity,
+    required, step,
 };
 use slipline_plate::quantity::must_be;
 
@@ -31,11 +32,24 @@ pub(super) fn report(text: &str) -> Result<(SelftestReport, String), String> {
         unit: fields.text("unit")?,
         firmware: fields.text("firmware")?,
         build: fields.text("build")?,
-        simulated: fields.get("simulated")?.as_bool().ok_or_else(|| must_be("simulated", "true or false"))?,
+        simulated: fields.flag("simulated")?,
+        wires: wires(&fields)?,
+        short: fields.flag("short")?,
         codes_crc: fields.or_null("codes_crc", Fields::text)?,
         steps: steps(&fields)?,
     };
     Ok((report, fields.text("date")?))
+}
+
+/// The wires that were fitted.
+fn wires(fields: &Fields<'_>) -> Result<Vec<String>, String> {
+    let list = fields.list("wires", Wire::ALL.len())?;
+    let names = list.iter().enumerate().map(|(at, value)| {
+        let wire = value.as_str().and_then(|text| Wire::ALL.into_iter().find(|wire| wire.name() == text));
+        let allowed = Wire::ALL.map(Wire::name).join(" or ");
+        wire.map(|wire| wire.name().to_owned()).ok_or_else(|| must_be(format_args!("wires[{at}]"), allowed))
+    });
+    names.collect()
 }
 
 /// The steps: all of them, in their order.
@@ -67,13 +81,7 @@ fn read_step(name: String, fields: &Fields<'_>) -> Result<StepResult, String> {
     let list = fields.list("readings", READINGS_MAX)?;
     let readings = list.iter().enumerate().map(|(at, value)| {
         let fields = Fields::of(value, format!("{}[{at}].", fields.place("readings")))?;
-        Ok::<_, String>(Reading {
-            quantity: fields.text("quantity")?,
-            value: fields.number("value")?,
-            value_unit: fields.text("value_unit")?,
-            at_least: fields.or_null("at_least", Fields::number)?,
-            at_most: fields.or_null("at_most", Fields::number)?,
-        })
+        read_reading(&name, &fields)
     });
     let readings: Vec<Reading> = readings.collect::<Result<_, _>>()?;
     let has_limit = |reading: &Reading| limits_of(&name, &reading.quantity).next().is_some();
@@ -94,6 +102,32 @@ fn read_step(name: String, fields: &Fields<'_>) -> Result<StepResult, String> {
         _ => {}
     }
     Ok(StepResult { name, verdict, readings, sentence: fields.text("sentence")? })
+}
+
+/// A number of a step that this program knows, in its unit.
+fn read_reading(step: &str, fields: &Fields<'_>) -> Result<Reading, String> {
+    let (name, value, unit) = (fields.text("quantity")?, fields.number("value")?, fields.text("value_unit")?);
+    let known: &Quantity = quantity(step, &name).ok_or_else(|| {
+        let names: Vec<&str> = quantities_of(step).map(|quantity| quantity.name).collect();
+        let given = format_args!("{} = {name:?}", fields.place("quantity"));
+        let allowed =
+            if names.is_empty() { "absent: the step has no numbers".to_owned() } else { names.join(", ") };
+        must_be(given, allowed)
+    })?;
+    if unit != known.unit {
+        let given = format_args!("{} = {unit:?}", fields.place("value_unit"));
+        return Err(must_be(given, format_args!("{:?}", known.unit)));
+    }
+    if !known.allows(value) {
+        return Err(must_be(format_args!("{} = {value}", fields.place("value")), "a whole number from 0"));
+    }
+    Ok(Reading {
+        quantity: name,
+        value,
+        value_unit: unit,
+        at_least: fields.or_null("at_least", Fields::number)?,
+        at_most: fields.or_null("at_most", Fields::number)?,
+    })
 }
 
 /// The fields of an object, and where it stands.
@@ -128,6 +162,10 @@ impl<'a> Fields<'a> {
 
     fn number(&self, name: &str) -> Result<f64, String> {
         self.get(name)?.as_f64().ok_or_else(|| must_be(self.place(name), "a number"))
+    }
+
+    fn flag(&self, name: &str) -> Result<bool, String> {
+        self.get(name)?.as_bool().ok_or_else(|| must_be(self.place(name), "true or false"))
     }
 
     fn list(&self, name: &str, most: usize) -> Result<&'a [Value], String> {

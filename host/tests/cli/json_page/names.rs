@@ -45,6 +45,8 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ),
     ("date", "text", "When the test ended, in UTC"),
     ("passed", "true or false", "Whether no step is red"),
+    ("selftest:wires", "text", "The wires that were fitted, as --wire takes them"),
+    ("selftest:short", "true or false", "Whether it was a short test"),
     ("verdict", "text", "green, amber, red, or skipped where the step is not shown"),
     ("colour", "text", "unchecked, green, amber or red"),
     (
