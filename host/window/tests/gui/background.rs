@@ -47,7 +47,7 @@ fn the_lights_follow_the_boundary_once_it_is_let_go() {
     assert!(app.has("Turning point 180.0 mm, 138.3 Hz"), "still on its way");
     app.release(line + eframe::egui::vec2(80.0, 0.0), 100);
     assert!(!app.has("Turning point 180.0 mm, 138.3 Hz"));
-    let there = format!("At {:.1} mm", crate::boundary_mm(&app));
+    let there = format!("Turning point {:.1} mm", crate::boundary_mm(&app));
     assert!(app.has_part(&there), "{there}");
 }
 

@@ -140,9 +140,9 @@ fn centred(ui: &egui::Ui, size: egui::Vec2, is_wide: bool) -> Placed {
     }
 }
 
-/// At the right of the stage, which stays as bright as it is, between the top bar and the status line.
+/// At the right of the stage, which stays as bright as it is but for a trace, between the top bar and the status line.
 fn beside(ui: &egui::Ui, size: egui::Vec2) -> Placed {
-    let id = egui::Id::unique("beside");
+    let id = egui::Id::unique("dialog");
     let under = egui::vec2(0.0, top_bar::HEIGHT);
     let area = egui::Modal::default_area(id).anchor(egui::Align2::RIGHT_TOP, under);
     let frame = egui::Frame::new()
@@ -151,7 +151,7 @@ fn beside(ui: &egui::Ui, size: egui::Vec2) -> Placed {
         .inner_margin(MARGIN);
     let outer = egui::vec2(room::BESIDE, size.y - top_bar::HEIGHT - status_line::HEIGHT);
     Placed {
-        modal: egui::Modal::new(id).area(area).frame(frame).backdrop_color(egui::Color32::TRANSPARENT),
+        modal: egui::Modal::new(id).area(area).frame(frame).backdrop_color(egui::Color32::from_black_alpha(1)),
         room: outer - frame.total_margin().sum(),
     }
 }
