@@ -1,5 +1,5 @@
 """First starts of the program on a stranger's desktop: under window managers and without one the demonstration runs, and the
-plate moves.
+plate moves; and the window for visitors fills the screen.
 
 SLIPLINE_STARTS is the number of starts under each manager (20), SLIPLINE_MANAGERS their names, `none` for no manager;
 SLIPLINE_BIN is the program. It needs Xvfb, xdotool, ImageMagick and the managers, all packages of Debian. What is seen is read
@@ -47,7 +47,11 @@ class Desktop:
             self._run(held, [manager], env=self.env)
             # Until it manages: a window that is mapped before would be none that it has placed.
             self._until(lambda: self.asked("xprop", "-root", "_NET_SUPPORTING_WM_CHECK").count("#"), WINDOW_S, f"{manager} manages")
-        self.program = self._run(held, [str(PROGRAM)], env=self.env)
+        self.start(held)
+
+    def start(self, held, *arguments):
+        """Starts the program and waits for its window."""
+        self.program = self._run(held, [str(PROGRAM), *arguments], env=self.env)
         names = ["xdotool", "search", "--onlyvisible", "--name", "^Slipline"]
         self._until(lambda: self.program.poll() is not None or self.asked(*names).strip(), WINDOW_S, "a window")
         assert self.program.poll() is None, "the program has ended"
@@ -75,6 +79,14 @@ class Desktop:
             if time.monotonic() > end:
                 raise AssertionError(f"never: {what}")
             time.sleep(0.1)
+
+    def end(self):
+        """Ends the program as a session does that ends: what it keeps is stored."""
+        self.program.terminate()
+        self.program.wait(20)
+
+    def has_size(self, width, height):
+        self._until(lambda: self.place()[2:] == [width, height], SEEN_S, f"{width} x {height}, but {self.place()}")
 
     def asked(self, *command):
         return subprocess.run(command, env=self.env, capture_output=True, text=True).stdout
@@ -141,6 +153,20 @@ class Starts(unittest.TestCase):
                 run, moved = (sum(column) for column in zip(*starts))
                 print(f"-- {manager}: {STARTS} starts, {run} demonstrations, {moved} moving plates", flush=True)
                 self.assertEqual((run, moved), (STARTS, STARTS), manager)
+
+
+class Visitors(unittest.TestCase):
+    @unittest.skipIf(shutil.which("openbox") is None, "openbox is not installed: the package of Debian has its name")
+    def test_a_window_for_visitors_fills_the_screen_and_leaves_the_next_one_its_size(self):
+        with contextlib.ExitStack() as held:
+            desktop = Desktop("openbox", held)
+            small = (700, 500)
+            desktop.asked("xdotool", "windowsize", "--sync", desktop.window, *map(str, small))
+            desktop.has_size(*small)
+            for arguments, size in [(["--kiosk"], SCREEN), ([], small)]:
+                desktop.end()
+                desktop.start(held, *arguments)
+                desktop.has_size(*size)
 
 
 if __name__ == "__main__":

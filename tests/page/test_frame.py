@@ -4,7 +4,7 @@ import contextlib
 import unittest
 
 import shared
-from test_window import SETUP, fragment_of
+from test_window import fragment_of, whole_setup
 
 PAPER = """<!DOCTYPE html><title>A paper</title><p>The wave turns back at the line:</p>
 <iframe src="./?embed{fragment}" width="720" height="420" title="Slipline"></iframe>"""
@@ -16,7 +16,7 @@ class Paper(shared.Quiet):
     def do_GET(self):
         if self.path.split("/")[-1] != "paper.html":
             return super().do_GET()
-        body = PAPER.format(fragment=fragment_of(SETUP)).encode()
+        body = PAPER.format(fragment=fragment_of(whole_setup())).encode()
         self.send_response(200)
         self.send_header("Content-Type", "text/html")
         self.send_header("Content-Length", str(len(body)))

@@ -161,6 +161,19 @@ fn a_port_that_never_comes_back_from_a_write_does_not_keep_the_program_from_endi
 }
 
 #[test]
+#[cfg(unix)]
+fn a_socket_whose_path_is_typed_as_a_port_says_how_a_socket_is_written() {
+    let path = std::env::temp_dir().join(format!("slipline-typed-{}.sock", std::process::id()));
+    let served = std::os::unix::net::UnixListener::bind(&path).unwrap();
+    let name = path.to_str().unwrap();
+    let error = slipline_link::native::serial::open(name).err().unwrap();
+    drop(served);
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!(error, LinkError::NotSerial(Port::Serial(name.to_owned())));
+    assert!(error.to_string().ends_with("the socket of a served device is written unix:PATH"), "{error}");
+}
+
+#[test]
 fn a_file_or_a_folder_is_refused_as_no_serial_port() {
     for path in [concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"), env!("CARGO_MANIFEST_DIR")] {
         let error = slipline_link::native::serial::open(path).err();

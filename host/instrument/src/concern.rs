@@ -6,6 +6,7 @@
 
 use slipline_link::Snapshot;
 use slipline_plate::check::{Colour, Light, Report};
+use slipline_plate::order;
 
 /// What a light asks of the user, in rising order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -100,7 +101,7 @@ impl<'a> Concerns<'a> {
     pub fn of(report: &'a Report, is_real: bool) -> Self {
         let mut lights: Vec<_> =
             report.lights.iter().map(|light| (Concern::of(light, is_real), light)).collect();
-        lights.sort_by_key(|(concern, _)| std::cmp::Reverse(*concern));
+        order::sort_by_key(&mut lights, |(concern, _)| std::cmp::Reverse(*concern));
         Self { lights }
     }
 

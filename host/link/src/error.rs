@@ -21,7 +21,7 @@ pub enum LinkError {
     )]
     NoPermission(Port),
     /// The name exists but is not a serial port.
-    #[error("{0} is not a serial port")]
+    #[error("{0} is not a serial port; the socket of a served device is written unix:PATH")]
     NotSerial(Port),
     /// The port opened but nothing answered the hello.
     #[error("{0} opened but no Slipline device answers there")]

@@ -26,7 +26,8 @@
 //! - `answer/`: the fields of `--json`, which Python has as attributes. Tests: `host/tests/cli/`,
 //!   `tests/python/test_command_line.py`
 //! - `response/`: a measured response for display. Tests: `host/window/tests/gui/measure.rs`
-//! - `waveform/`, `sounding.rs`: the latest codes and their spectrum, and the present drive
+//! - `waveform/`, `sounding.rs`, `real_fft.rs`: the latest codes and their spectrum, the present drive, and the transform of real
+//!   values
 //! - `companions.rs`: tones whose companions cancel the drive's harmonics. Tests: `tests/tests/harmonics.rs`
 //! - `sound/`, `wav.rs`: sound for a loudspeaker, and recordings (WAV, FLAC, ALAC, AIFF)
 //! - `content.rs`: recognizes a file by its bytes
@@ -56,6 +57,7 @@ pub mod fonts;
 pub mod jobs;
 #[cfg(feature = "native")]
 pub mod named_plate;
+pub mod real_fft;
 pub mod refused_value;
 pub mod response;
 pub mod scenes;

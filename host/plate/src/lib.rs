@@ -43,7 +43,8 @@
 //! - `text_table/`: tables of other programs: cells, the words and units of columns, numbers. Tests:
 //!   `host/plate/tests/cases/`, `host/tests/cli/foreign.rs`
 //! - `exchange.rs`, `static_text.rs`: plates and errors that pass between the workers of a page
-//! - `progress.rs`, `truth.rs`: progress of a long computation, and random plates near a nominal one
+//! - `progress.rs`, `truth.rs`, `order.rs`: progress of a long computation, random plates near a nominal one, and the order of
+//!   short lists
 
 #![forbid(unsafe_code)]
 // The crate is part of the browser build; clippy.toml lists the functions that a browser does not have.
@@ -58,6 +59,7 @@ mod frequency;
 mod fused;
 pub mod intermodulation;
 pub mod merit;
+pub mod order;
 pub mod paper;
 pub mod physics;
 pub mod plane;

@@ -149,6 +149,23 @@ fn the_reach_shows_what_a_profile_cannot_have() {
     assert_eq!(flat.figures.ripple_db, None);
 }
 
+/// On this plate eleven tones at places of their own are nearer to the profile than the best powers of many tones on a grid.
+#[test]
+fn any_number_of_tones_is_as_near_as_the_tones_of_the_texture() {
+    let plate = preset("tungsten-membrane").expect("a preset");
+    let table = DriveTable::build(&plate, 400e3, 129).expect("has a table");
+    let palette = Palette::new(&plate, &table);
+    let target =
+        Target::profile(&palette, &[(0.0, 1.0), (0.15, 1.0), (0.205, 0.0), (0.32, 0.0)]).expect("valid");
+    for most in [4, 16] {
+        let fitted = Texture::fit(&palette, &target, most).expect("fits");
+        let chord = fitted.on_grid(&palette, &target).expect("answers").map(|chord| chord.texture);
+        for texture in std::iter::once(&fitted).chain(&chord) {
+            assert!(texture.reach.rms_error <= texture.figures.rms_error, "{most} tones: {texture:?}");
+        }
+    }
+}
+
 #[test]
 fn no_powers_have_a_smaller_largest_error_than_the_linear_programs() {
     let (plate, table) = membrane();

@@ -124,6 +124,26 @@ fn a_file_with_a_packed_copy_alone_is_unpacked_for_a_browser_that_does_not_take_
     }
 }
 
+/// A connection that stays open keeps a thread of the server, of which there are few.
+#[test]
+fn a_browser_is_asked_to_close_each_connection() {
+    let outside = built("page-close");
+    let serving = start(&outside, &["--folder", "target/page"]);
+    let mut stream = TcpStream::connect(serving.host()).unwrap();
+    write!(stream, "GET / HTTP/1.1\r\nHost: {}\r\nConnection: keep-alive\r\n\r\n", serving.host()).unwrap();
+    let mut bytes = Vec::new();
+    let mut part = [0; 512];
+    while !bytes.ends_with(b"</title>") {
+        let count = stream.read(&mut part).unwrap();
+        assert!(count > 0, "the answer is whole");
+        bytes.extend_from_slice(&part[..count]);
+    }
+    assert!(String::from_utf8(bytes).unwrap().contains("Connection: close\r\n"));
+    drop(stream);
+    drop(serving);
+    std::fs::remove_dir_all(outside).unwrap();
+}
+
 #[test]
 fn nothing_else_is_answered() {
     let outside = built("page-else");

@@ -1,5 +1,6 @@
 //! The user's actions: each goes to its room, with what follows in the others.
 
+use super::shell::{Output, Page};
 use super::shown::Awaited;
 use super::{CalibrateIntent, Instrument, MeasureIntent};
 use crate::hold::HoldEnd;
@@ -113,6 +114,8 @@ impl Instrument {
         let (lab, mut reach) = self.reach();
         if let Some(plate) = lab.perform_calibrate(intent, &mut reach) {
             self.use_calibrated(plate);
+            // The page with the stage, where the rings lie on the curve now.
+            self.out.push(Output::Open(Page::Boundary));
             // What was driven before it was measured goes on; a real plate only when its user drives it.
             if self.lab.take_owed_drive() && self.drive.snapshot().is_simulated() {
                 self.start();

@@ -6,6 +6,7 @@
 
 use super::shell::{Output, Page};
 use slipline_link::Severity;
+use slipline_plate::order;
 use std::fmt::Display;
 use std::time::Duration;
 
@@ -68,7 +69,7 @@ impl Outbox {
         self.count += 1;
         self.end(about);
         self.standing.push((about, Notice { text, is_error, number: self.count, lasts_s }));
-        self.standing.sort_by_key(|(about, _)| *about);
+        order::sort_by_key(&mut self.standing, |(about, _)| *about);
     }
 
     fn end(&mut self, about: About) {

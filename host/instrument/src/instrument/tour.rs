@@ -59,7 +59,9 @@ impl TourStep {
             Self::Line => {
                 "Drag the line along the plate. The plate vibrates up to it and is still beyond it."
             }
-            Self::Finger => "Drag the fingertip across the line. The trace below shows what a finger meets.",
+            Self::Finger => {
+                "Drag the fingertip across the line. The strip below the curve shows what it feels."
+            }
             Self::Texture => {
                 "Press Play this. Several tones together make an even area, a profile or stripes."
             }

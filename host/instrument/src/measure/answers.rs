@@ -18,6 +18,7 @@ use slipline_model::response::{LIGHT_DB, light};
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorBody, SensorKind, windows};
 use slipline_plate::check::Colour;
+use slipline_plate::order;
 use slipline_plate::quantity::decibels;
 use slipline_plate::quantity::number_format::with_decimals;
 use std::f64::consts::TAU;
@@ -218,7 +219,7 @@ impl Measured {
                 });
             }
         }
-        points.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        order::sort_by(&mut points, |a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
         let all = quiet.answers.iter().map(Complex64::norm_sqr);
         let noise_codes =
             (all.sum::<f64>() / quiet.answers.len().max(1) as f64 * 0.25 * quiet.samples as f64).sqrt();
@@ -261,7 +262,7 @@ fn noise_codes(quiet: &Window, frequency_hz: f64) -> f64 {
     let away = |tone: &Tone| (tone.frequency_hz / frequency_hz).ln().abs();
     let mut heard: Vec<(f64, f64)> =
         quiet.tones.iter().map(away).zip(quiet.answers.iter().map(Complex64::norm_sqr)).collect();
-    heard.sort_by(|a, b| a.0.total_cmp(&b.0));
+    order::sort_by(&mut heard, |a, b| a.0.total_cmp(&b.0));
     heard.truncate(NEIGHBOURS);
     // |b|^2 has both parts, each with twice the codes' variance over the samples.
     let mean: f64 = heard.iter().map(|(_, square)| square).sum::<f64>() / heard.len().max(1) as f64;

@@ -97,7 +97,7 @@ impl Course {
 /// Each tone in these codes, one period of the comb.
 fn received_in(codes: Vec<f64>) -> impl Iterator<Item = Received> {
     let floor = ROUNDING * codes.len() as f64;
-    let power = line_powers(codes);
+    let power = line_powers(&codes);
     HARMONICS.into_iter().map(move |harmonic| {
         let at = usize::from(harmonic);
         let line = |at: usize| power.get(at).copied().unwrap_or_default();

@@ -4,7 +4,7 @@ use super::course::{Course, reading};
 use super::limits::step;
 use super::report::StepResult;
 use crate::measure::MeasureError;
-use realfft::RealFftPlanner;
+use slipline_model::real_fft::RealFft;
 
 /// Codes of a spectrum, in blocks of 128: one period of the comb; and of a short test.
 const BLOCKS: u16 = 32;
@@ -48,13 +48,13 @@ impl Course {
             let harmonic = (tone.hz / base_hz).round() as u16;
             let risen = self.comb(blocks, [(harmonic, self.clean())]).await?;
             let quiet = self.capture(risen, 0, count, false).await?;
-            let spectrum = Spectrum::of(quiet.codes().collect(), harmonic.into());
+            let spectrum = Spectrum::of(&quiet.codes().collect::<Vec<f64>>(), harmonic.into());
             let sinad_db = spectrum.sinad_db + self.turned_down_db();
             readings.push(reading(name, tone.sinad, sinad_db));
             readings.push(reading(name, tone.spur, spectrum.spur_db));
             if let Some(change) = tone.change {
                 let busy = self.capture(risen, 0, count, true).await?;
-                let busy = Spectrum::of(busy.codes().collect(), harmonic.into());
+                let busy = Spectrum::of(&busy.codes().collect::<Vec<f64>>(), harmonic.into());
                 readings.push(reading(name, change, busy.sinad_db + self.turned_down_db() - sinad_db));
             }
         }
@@ -78,12 +78,9 @@ fn deviation(values: &[f64]) -> f64 {
     (values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count).sqrt()
 }
 
-/// The power of each line of the spectrum of these codes, from that of their mean on.
-pub(super) fn line_powers(mut codes: Vec<f64>) -> Vec<f64> {
-    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(codes.len());
-    let mut lines = forward.make_output_vec();
-    // The lengths fit.
-    let _ = forward.process(&mut codes, &mut lines);
+/// The power of each line of the spectrum of these codes, a power of two of them, from that of their mean on.
+pub(super) fn line_powers(codes: &[f64]) -> Vec<f64> {
+    let lines = RealFft::new(codes.len()).map(|fft| fft.spectrum(codes)).unwrap_or_default();
     lines.iter().map(|line| line.norm_sqr()).collect()
 }
 
@@ -96,8 +93,8 @@ struct Spectrum {
 }
 
 impl Spectrum {
-    /// The spectrum of these codes, whose tone has `harmonic` periods in them.
-    fn of(codes: Vec<f64>, harmonic: usize) -> Self {
+    /// The spectrum of these codes, a power of two of them, whose tone has `harmonic` periods in them.
+    fn of(codes: &[f64], harmonic: usize) -> Self {
         let power = line_powers(codes);
         let tone = power.get(harmonic).copied().unwrap_or_default();
         let others =
@@ -125,9 +122,9 @@ mod tests {
                 .collect()
         };
         // 1740 codes over steps of one code: 20 log10(1740 / sqrt(2) * sqrt(12)) = 72.6 dB.
-        let clean = Spectrum::of(codes(0.0), 103);
+        let clean = Spectrum::of(&codes(0.0), 103);
         assert!((clean.sinad_db - 72.6).abs() < 1.0, "{}", clean.sinad_db);
-        let spoiled = Spectrum::of(codes(17.4), 103);
+        let spoiled = Spectrum::of(&codes(17.4), 103);
         assert!((spoiled.sinad_db - 40.0).abs() < 0.1 && (spoiled.spur_db + 40.0).abs() < 0.1);
         assert!(deviation(&codes(0.0)) > 1000.0 && deviation(&[2.0; 9]) == 0.0);
     }

@@ -40,7 +40,7 @@ pub fn open(name: &str) -> Result<Serial, LinkError> {
         if matches!(error.kind, ErrorKind::NoDevice) && path.exists() {
             // The crate reports "no device" also for a port that another program has locked.
             LinkError::Busy(port.clone())
-        } else if path.is_file() || path.is_dir() || is_no_terminal(&error) {
+        } else if path.is_file() || path.is_dir() || is_socket(path) || is_no_terminal(&error) {
             LinkError::NotSerial(port.clone())
         } else {
             LinkError::opening(&port, &io::Error::from(error))
@@ -49,6 +49,18 @@ pub fn open(name: &str) -> Result<Serial, LinkError> {
     // Discards bytes that arrived for the port's previous program.
     native.clear(serialport::ClearBuffer::All).ok();
     Ok(Serial(native))
+}
+
+/// Whether it is the socket of a served device, which has another name as a port.
+#[cfg(unix)]
+fn is_socket(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    path.metadata().is_ok_and(|it| it.file_type().is_socket())
+}
+
+#[cfg(not(unix))]
+const fn is_socket(_path: &Path) -> bool {
+    false
 }
 
 impl Transport for Serial {

@@ -5,6 +5,7 @@ use crate::field::steady_field::{POINTS, SteadyField};
 use crate::field::tone_places::TonePlaces;
 use crate::setup::Setup;
 use crate::waveform::Waveform;
+use slipline_plate::order;
 use std::fmt::Write as _;
 
 /// Largest number of codes of a waveform in a CSV file: 0.16 s at 400 kS/s.
@@ -31,7 +32,7 @@ pub fn envelope_csv(
             places.map(|((&x_m, maximum_m), rms_m)| (x_m, format!("{x_m:.6},,,{maximum_m:e},{rms_m:e}"))),
         );
     }
-    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    order::sort_by(&mut rows, |a, b| a.0.total_cmp(&b.0));
     let mut text = envelope_head(setup, steady, measured, full_peak_m);
     text.push_str("position_m,predicted_maximum_m,predicted_rms_m,simulated_maximum_m,simulated_rms_m\n");
     for (_, row) in rows {

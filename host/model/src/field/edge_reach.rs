@@ -11,6 +11,7 @@ use crate::field::felt::NotFelt;
 use crate::field::line::{Holds, Line, turning_point_m};
 use crate::setup::{BoundaryMode, Setup, ToneSetup};
 use slipline_plate::DriveTable;
+use slipline_plate::order;
 use slipline_plate::quantity::number_format::typed;
 use slipline_plate::quantity::{Measure, must_be, show_range};
 use std::fmt;
@@ -169,7 +170,7 @@ fn reach_m(runs: &[Vec<Point>]) -> Vec<(f64, f64)> {
         (edges().fold(f64::INFINITY, f64::min), edges().fold(f64::NEG_INFINITY, f64::max))
     };
     let mut all: Vec<(f64, f64)> = runs.iter().map(of_run).collect();
-    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    order::sort_by(&mut all, |a, b| a.0.total_cmp(&b.0));
     let mut joined: Vec<(f64, f64)> = Vec::new();
     for (low_m, high_m) in all {
         match joined.last_mut() {

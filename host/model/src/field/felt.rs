@@ -88,7 +88,13 @@ impl NotFelt {
 /// Where the sensation ends for different persons, in words: `237 to 257 mm depending on the person`. `None` if it ends for everybody at the plate's
 /// end or nowhere.
 #[must_use]
-pub fn by_person_words(EdgesByPerson { near, far }: EdgesByPerson) -> Option<String> {
+pub fn by_person_words(edges: EdgesByPerson) -> Option<String> {
+    by_person_places(edges).map(|places| format!("{places} depending on the person"))
+}
+
+/// The places of [`by_person_words`] alone: `237 to 257 mm`.
+#[must_use]
+pub fn by_person_places(EdgesByPerson { near, far }: EdgesByPerson) -> Option<String> {
     let place = |edge: FeltEdge| match edge {
         FeltEdge::At(place_m) => format!("{:.0} mm", 1e3 * place_m),
         FeltEdge::PlateEnd => "the plate's end".to_owned(),
@@ -98,7 +104,7 @@ pub fn by_person_words(EdgesByPerson { near, far }: EdgesByPerson) -> Option<Str
         (FeltEdge::At(near_m), FeltEdge::At(_)) => format!("{:.0}", 1e3 * near_m),
         _ => place(near),
     };
-    (near != far).then(|| format!("{from} to {} depending on the person", place(far)))
+    (near != far).then(|| format!("{from} to {}", place(far)))
 }
 
 /// Sensation along a plate.

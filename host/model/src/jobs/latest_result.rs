@@ -89,11 +89,11 @@ mod tests {
         let (first, _) = given.recv().unwrap();
         assert!(given.try_recv().is_err(), "the same job is requested once");
         results.ask(2);
-        finished.send((first, Some(10))).unwrap();
+        assert!(finished.send(first, Some(10)));
         results.take();
         assert_eq!((results.current(), results.newest(), results.asked()), (None, Some(&10), Some(&2)));
         let (second, _) = given.recv().unwrap();
-        finished.send((second, Some(20))).unwrap();
+        assert!(finished.send(second, Some(20)));
         results.take();
         results.take();
         assert_eq!((results.current(), results.progress()), (Some(&20), None));
@@ -101,7 +101,7 @@ mod tests {
         results.cancel();
         results.ask(3);
         let (third, _) = given.recv().unwrap();
-        finished.send((third, Some(30))).unwrap();
+        assert!(finished.send(third, Some(30)));
         results.take();
         assert_eq!((results.current(), results.newest()), (None, Some(&20)));
         assert!(given.try_recv().is_err(), "a cancelled job is not requested again by itself");

@@ -12,9 +12,9 @@ pub mod texture;
 pub use latest_result::LatestResult;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::channel;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread;
 
 /// The progress of a running job, and whether its result is still wanted.
@@ -67,7 +67,7 @@ impl Task {
 /// with the next job.
 pub struct JobQueue<Job, Done> {
     runner: Runner<Job, Done>,
-    done: Receiver<(u64, Option<Done>)>,
+    done: Arc<Mutex<Finished<Done>>>,
     task: Arc<Task>,
     /// Number of the newest job.
     asked: u64,
@@ -81,13 +81,34 @@ pub struct JobQueue<Job, Done> {
 type Work<Job, Done> = dyn FnMut(Job, &Task) -> Option<Done>;
 
 enum Runner<Job, Done> {
-    Thread(Sender<(u64, Job, Arc<Task>)>),
-    Inline(Box<Work<Job, Done>>, Sender<(u64, Option<Done>)>),
+    Inline(Box<Work<Job, Done>>),
     Elsewhere(Box<HandOn<Job>>),
 }
 
 /// Hands a job on: its number, the job, and its task.
 type HandOn<Job> = dyn FnMut(u64, Job, Arc<Task>);
+
+/// Numbers and results of jobs that have ended.
+type Finished<Done> = Vec<(u64, Option<Done>)>;
+
+/// Takes the results of the jobs of a queue. A list under a lock and no channel: the standard library's channel is compiled again
+/// for each kind of job.
+pub struct Results<Done>(Weak<Mutex<Finished<Done>>>);
+
+impl<Done> Results<Done> {
+    /// Passes on the result of the job of this number, `None` where it has none; returns whether the queue still exists.
+    pub fn send(&self, number: u64, done: Option<Done>) -> bool {
+        let queue = self.0.upgrade();
+        if let Some(queue) = &queue {
+            lock(queue).push((number, done));
+        }
+        queue.is_some()
+    }
+}
+
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
     /// Runs jobs on a thread named `name` and calls `wake` after each. The thread ends when the queue is dropped.
@@ -107,7 +128,8 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
         wake: impl Fn() + Send + 'static,
     ) -> std::io::Result<Self> {
         let (jobs, queue) = channel::<(u64, Job, Arc<Task>)>();
-        let (finished, done) = channel();
+        // If the thread has ended, there is no result; the rest of the app stays usable.
+        let (this, finished) = Self::elsewhere(move |number, job, task| drop(jobs.send((number, job, task))));
         let queue_name = name.to_owned();
         thread::Builder::new().name(name.to_owned()).spawn(move || {
             while let Ok(mut next) = queue.recv() {
@@ -120,34 +142,32 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
                 let done = catch_unwind(AssertUnwindSafe(|| work(job, &task))).unwrap_or(None);
                 let end = if done.is_some() { "is done" } else { "was cancelled or failed" };
                 tracing::debug!("{queue_name}: job {number} {end}");
-                if finished.send((number, done)).is_err() {
+                if !finished.send(number, done) {
                     return;
                 }
                 wake();
             }
         })?;
-        Ok(Self::new(Runner::Thread(jobs), done))
+        Ok(this)
     }
 
     /// Runs every job at once, on the caller's thread.
     #[must_use]
     pub fn inline(work: impl FnMut(Job, &Task) -> Option<Done> + 'static) -> Self {
-        let (finished, done) = channel();
-        Self::new(Runner::Inline(Box::new(work), finished), done)
+        Self::new(Runner::Inline(Box::new(work)))
     }
 
-    /// Forwards each numbered job; the executor sends back the number and the result, or `None`, to
-    /// the sender. Once a task is over, nobody needs its result.
+    /// Forwards each numbered job; the executor sends back the number and the result, or `None`. Once a task is over, nobody
+    /// needs its result.
     #[must_use]
-    pub fn elsewhere(
-        hand_on: impl FnMut(u64, Job, Arc<Task>) + 'static,
-    ) -> (Self, Sender<(u64, Option<Done>)>) {
-        let (finished, done) = channel();
-        (Self::new(Runner::Elsewhere(Box::new(hand_on)), done), finished)
+    pub fn elsewhere(hand_on: impl FnMut(u64, Job, Arc<Task>) + 'static) -> (Self, Results<Done>) {
+        let queue = Self::new(Runner::Elsewhere(Box::new(hand_on)));
+        let results = Results(Arc::downgrade(&queue.done));
+        (queue, results)
     }
 
-    fn new(runner: Runner<Job, Done>, done: Receiver<(u64, Option<Done>)>) -> Self {
-        Self { runner, done, task: Arc::default(), asked: 0, ended: 0, unwanted: 0 }
+    fn new(runner: Runner<Job, Done>) -> Self {
+        Self { runner, done: Arc::default(), task: Arc::default(), asked: 0, ended: 0, unwanted: 0 }
     }
 
     /// Requests a job. The task of an older job that still runs is ended.
@@ -156,9 +176,10 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
         self.task = Arc::default();
         self.asked += 1;
         match &mut self.runner {
-            // If the thread has ended, there is no result; the rest of the app stays usable.
-            Runner::Thread(jobs) => drop(jobs.send((self.asked, job, Arc::clone(&self.task)))),
-            Runner::Inline(work, finished) => drop(finished.send((self.asked, work(job, &self.task)))),
+            Runner::Inline(work) => {
+                let done = work(job, &self.task);
+                lock(&self.done).push((self.asked, done));
+            }
             Runner::Elsewhere(hand_on) => hand_on(self.asked, job, Arc::clone(&self.task)),
         }
     }
@@ -171,7 +192,8 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
     /// The newest result since the last call, with the number of its job.
     fn take_numbered(&mut self) -> Option<(u64, Done)> {
         let mut newest = None;
-        for (number, done) in self.done.try_iter() {
+        let finished = std::mem::take(&mut *lock(&self.done));
+        for (number, done) in finished {
             self.ended = self.ended.max(number);
             if number > self.unwanted {
                 newest = done.map(|done| (number, done)).or(newest);
@@ -264,16 +286,18 @@ mod tests {
         let [(first, _, older), (second, job, newer)] = [given.recv().unwrap(), given.recv().unwrap()];
         assert!(older.is_over() && newer.report(0.25) && job == 2);
         assert_eq!(queue.progress(), Some(0.25));
-        finished.send((first, None)).unwrap();
+        assert!(finished.send(first, None));
         assert_eq!((queue.take(), queue.progress()), (None, Some(0.25)));
-        finished.send((second, Some(20))).unwrap();
+        assert!(finished.send(second, Some(20)));
         assert_eq!((queue.take(), queue.progress()), (Some(20), None));
         queue.ask(3);
         queue.cancel();
         let (third, _, task) = given.recv().unwrap();
         assert!(task.is_over());
-        finished.send((third, Some(30))).unwrap();
+        assert!(finished.send(third, Some(30)));
         assert_eq!((queue.take(), queue.progress()), (None, None));
+        drop(queue);
+        assert!(!finished.send(4, None), "nobody takes it");
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Audible pitch of a plate's tones.
 
+use slipline_plate::order;
+
 /// Difference of two tones below which their beat is felt, in Hz: their difference is kept.
 const BEATS_HZ: f64 = 500.0;
 /// Tones above this frequency are inaudible to some people, in Hz.
@@ -38,7 +40,7 @@ impl Pitch {
     #[must_use]
     pub(crate) fn heard_hz(self, frequencies_hz: &[f64]) -> Vec<f64> {
         let mut order: Vec<usize> = (0..frequencies_hz.len()).collect();
-        order.sort_by(|&one, &other| frequencies_hz[one].total_cmp(&frequencies_hz[other]));
+        order::sort_by(&mut order, |&one, &other| frequencies_hz[one].total_cmp(&frequencies_hz[other]));
         let mut heard = vec![0.0; frequencies_hz.len()];
         let mut lowest_hz = f64::NEG_INFINITY;
         for i in order {

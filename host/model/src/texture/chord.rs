@@ -4,6 +4,7 @@
 use crate::setup::{Setup, edit};
 use slipline_link::protocol::command::Apply;
 use slipline_link::{ChordRequest, DeviceTable, HarmonicRequest, Refusal, Snapshot, Sounding};
+use slipline_plate::order;
 use slipline_plate::texture::CHORD_PERIOD;
 
 /// Largest distance of a tone's frequency from a multiple, as a share of the base frequency: it covers the
@@ -48,7 +49,7 @@ pub fn chord_of(setup: &Setup, table: &DeviceTable) -> Option<ChordRequest> {
             })
         })
         .collect::<Option<Vec<_>>>()?;
-    tones.sort_by_key(|tone| tone.harmonic);
+    order::sort_by_key(&mut tones, |tone| tone.harmonic);
     let is_rising = tones.is_sorted_by(|one, other| one.harmonic < other.harmonic);
     is_rising.then_some(ChordRequest {
         period_log2: CHORD_PERIOD.ilog2() as u8,

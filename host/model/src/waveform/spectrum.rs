@@ -1,9 +1,8 @@
 //! The spectrum of DAC codes, for the plot.
 
-use realfft::{RealFftPlanner, RealToComplex};
+use crate::real_fft::RealFft;
 use slipline_plate::quantity::decibels;
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 /// One line of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -20,16 +19,10 @@ const SINGLE_BINS: usize = 800;
 /// Level below which nothing is drawn, in dB: the noise of 12 bits spread over the bins.
 const FLOOR_DB: f64 = -140.0;
 
-/// Computes spectra; keeps the plan and the window of the last length.
+/// Computes spectra; keeps the transform and the window of the last length.
+#[derive(Default)]
 pub(super) struct Spectrum {
-    planner: RealFftPlanner<f64>,
-    plan: Option<(Arc<dyn RealToComplex<f64>>, Vec<f64>)>,
-}
-
-impl Default for Spectrum {
-    fn default() -> Self {
-        Self { planner: RealFftPlanner::new(), plan: None }
-    }
+    kept: Option<(RealFft, Vec<f64>)>,
 }
 
 impl Spectrum {
@@ -41,20 +34,17 @@ impl Spectrum {
         }
         let length = 1usize << codes.len().ilog2();
         let codes = &codes[codes.len() - length..];
-        if self.plan.as_ref().is_none_or(|(_, window)| window.len() != length) {
+        if self.kept.as_ref().is_none_or(|(_, window)| window.len() != length) {
             let window = (0..length).map(|i| blackman_harris(i as f64 / length as f64)).collect();
-            self.plan = Some((self.planner.plan_fft_forward(length), window));
+            self.kept = RealFft::new(length).map(|fft| (fft, window));
         }
-        let Some((plan, window)) = &self.plan else { return Vec::new() };
-        let mut input: Vec<f64> = codes
+        let Some((fft, window)) = &self.kept else { return Vec::new() };
+        let input: Vec<f64> = codes
             .iter()
             .zip(window)
             .map(|(&code, weight)| (f64::from(code) - 2048.0) / 2048.0 * weight)
             .collect();
-        let mut output = plan.make_output_vec();
-        if plan.process(&mut input, &mut output).is_err() {
-            return Vec::new();
-        }
+        let output = fft.spectrum(&input);
         // A sine of amplitude 1 gives sum(window)/2 in its bin.
         let scale = 2.0 / window.iter().sum::<f64>();
         let bin_hz = sample_rate_hz / length as f64;

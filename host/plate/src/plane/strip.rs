@@ -11,6 +11,7 @@ use super::section::{Energy, Section};
 use crate::definition::model::Model;
 use crate::definition::plate::Plate;
 use crate::definition::taper::LogWidth;
+use crate::order;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -105,7 +106,7 @@ pub(super) fn mode(section: &Section, log_half_width: f64, level: f64, number: u
     for _ in 0..60 {
         let eigen = (&a * (square * square) + &b * square + &c).symmetric_eigen();
         let mut ranked: Vec<usize> = (0..orders).collect();
-        ranked.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
+        order::sort_by(&mut ranked, |&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
         let at = *ranked.get(number)?;
         let vector: DVector<f64> = eigen.eigenvectors.column(at).into();
         let rise = 2.0 * square * vector.dot(&(&a * &vector)) + vector.dot(&(&b * &vector));

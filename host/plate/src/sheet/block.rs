@@ -15,6 +15,7 @@ use super::kernel::{self, COLUMNS, Place, WeightVectors};
 use super::record::EnvelopeRecord;
 use super::tiling::{Extent, Plan};
 use super::vector::{LANES, Lanes, Line, Work};
+use crate::order;
 use std::mem::replace;
 use std::ops::Range;
 
@@ -110,7 +111,7 @@ impl Schedule {
             let reader = if skew == Skew::Rising { boundary } else { boundary - 1 };
             transfers.push((place_of(reader), Transfer::Receive(halo_rows)));
         }
-        transfers.sort_by_key(|transfer| transfer.0);
+        order::sort_by_key(&mut transfers, |transfer| transfer.0);
         Self { skew, rows, group, origin, fronts: highest - lowest + steps, transfers }
     }
 

@@ -10,6 +10,7 @@ use super::selection;
 use super::target::Target;
 use crate::check::sensation::SLIPPERY_FROM_HZ;
 use crate::definition::plate::Plate;
+use crate::order;
 use crate::quantity::OutOfRange;
 use crate::table::level::other_plates;
 
@@ -51,11 +52,11 @@ pub struct Texture {
     pub wanted_m: Vec<f64>,
     /// RMS displacement at each place, metres.
     pub rms_m: Vec<f64>,
-    /// RMS displacement of the best field with any number of tones at the same loudness, metres.
+    /// RMS displacement of the nearest known field with any number of tones at the same loudness, metres.
     pub reach_m: Vec<f64>,
     /// Figures of these tones.
     pub figures: Figures,
-    /// Figures of the best field with any number of tones.
+    /// Figures of the nearest known field with any number of tones: no larger an error than that of these tones.
     pub reach: Figures,
     /// The target's largest amplitude over the table's peak at full scale.
     scale: f64,
@@ -86,6 +87,11 @@ impl Texture {
         let (positions_m, powers): (Vec<f64>, Vec<f64>) = sounding.into_iter().unzip();
         let squares = palette.squares(&positions_m)?.times(&powers);
         let figures = Figures::of(&squares, &places_m, target);
+        let reach = Figures::of(&best, &places_m, target);
+        // The field that is best in mean squares may have a larger error in RMS amplitude than these tones, which are a number of
+        // tones, too.
+        let is_nearest = figures.rms_error < reach.rms_error;
+        let (best, reach) = if is_nearest { (squares.clone(), figures) } else { (best, reach) };
         let (tones, scale) = loudest_that_fits(palette, &positions_m, &powers);
         let peak_m = palette.table().peak_at_full_scale_m() * scale;
         Ok(Self {
@@ -94,7 +100,7 @@ impl Texture {
             rms_m: squares.iter().map(|square| square.sqrt() * peak_m).collect(),
             reach_m: best.iter().map(|square| square.max(0.0).sqrt() * peak_m).collect(),
             figures,
-            reach: Figures::of(&best, &places_m, target),
+            reach,
             places_m,
             scale,
         })
@@ -112,13 +118,20 @@ impl Texture {
         palette: &Palette<'_>,
     ) -> Self {
         let peak_m = palette.table().peak_at_full_scale_m() * scale;
+        let rms_m: Vec<f64> = squares.iter().map(|square| square.sqrt() * peak_m).collect();
+        let is_nearest = figures.rms_error < self.reach.rms_error;
+        let reach_m = if is_nearest {
+            rms_m.clone()
+        } else {
+            self.reach_m.iter().map(|metres| metres * scale / self.scale).collect()
+        };
         Self {
             tones,
             wanted_m: target.wanted.iter().map(|wanted| wanted * peak_m).collect(),
-            rms_m: squares.iter().map(|square| square.sqrt() * peak_m).collect(),
-            reach_m: self.reach_m.iter().map(|metres| metres * scale / self.scale).collect(),
+            rms_m,
+            reach_m,
             figures,
-            reach: self.reach,
+            reach: if is_nearest { figures } else { self.reach },
             places_m: self.places_m.clone(),
             scale,
         }
@@ -193,7 +206,7 @@ fn sounding_tones(placed: Placed) -> Vec<(f64, f64)> {
     let loudest = placed.powers.iter().copied().fold(0.0, f64::max);
     let mut sounding: Vec<(f64, f64)> = placed.positions_m.into_iter().zip(placed.powers).collect();
     sounding.retain(|&(_, power)| power > AUDIBLE * loudest);
-    sounding.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+    order::sort_by(&mut sounding, |(one, _), (other, _)| one.total_cmp(other));
     sounding
 }
 

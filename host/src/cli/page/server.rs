@@ -3,13 +3,14 @@
 use super::super::failure::Failure;
 use super::contents::Contents;
 use slipline_model::atomic_file::said;
+use std::borrow::Cow;
 use std::fmt::Display;
-use std::io::{Cursor, Read};
+use std::io::{self, Write};
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
-use tiny_http::{Header, Method, Request, Response, Server, StatusCode};
+use tiny_http::{Header, Method, Request, Server};
 
 /// Answers at once: a browser that reads slowly keeps the others from none of these.
 const ANSWERS: usize = 4;
@@ -90,18 +91,45 @@ fn can_start(count: usize) -> std::io::Result<()> {
     })
 }
 
-/// Answers one request.
+/// Answers one request, and has the browser close the connection: each that stays open keeps a thread of tiny_http's, which
+/// starts too few where several arrive at once. A browser with six of them waited for its last file for ever.
 fn respond(request: Request, contents: &Contents) {
     let answer = if matches!(request.method(), Method::Get | Method::Head) {
         file(request.url(), contents, takes_packed(request.headers()))
     } else {
-        plain(405, "GET and HEAD are answered.\n", "Allow: GET, HEAD")
+        plain("405 Method Not Allowed", "GET and HEAD are answered.\n", "Allow: GET, HEAD")
     };
+    let has_body = !matches!(request.method(), Method::Head);
     // The browser may have closed the connection; the answer is then dropped.
-    let _ = request.respond(answer);
+    let _ = answer.write(&mut request.into_writer(), has_body);
 }
 
-type Answer = Response<Box<dyn Read + Send>>;
+/// An answer to a browser.
+struct Answer {
+    /// Its number and words.
+    status: &'static str,
+    headers: Vec<String>,
+    bytes: Cow<'static, [u8]>,
+}
+
+impl Answer {
+    fn write(&self, browser: &mut dyn Write, has_body: bool) -> io::Result<()> {
+        let Self { status, headers, bytes } = self;
+        let mut head = format!("HTTP/1.1 {status}\r\n");
+        let length = format!("Content-Length: {}", bytes.len());
+        let always = ["X-Content-Type-Options: nosniff", "Connection: close", &length];
+        for header in headers.iter().map(String::as_str).chain(always) {
+            head.push_str(header);
+            head.push_str("\r\n");
+        }
+        head.push_str("\r\n");
+        browser.write_all(head.as_bytes())?;
+        if has_body {
+            browser.write_all(bytes)?;
+        }
+        browser.flush()
+    }
+}
 
 /// Whether a browser takes files as `gzip` packs them (RFC 9110, 12.5.3).
 fn takes_packed(headers: &[Header]) -> bool {
@@ -124,43 +152,22 @@ fn file(address: &str, contents: &Contents, takes_packed: bool) -> Answer {
         Some((packed.or_else(|| contents.read(&name))?, is_packed, name))
     });
     let Some((bytes, is_packed, name)) = found else {
-        return plain(404, "The page has no such file.\n", "Cache-Control: no-store");
+        return plain("404 Not Found", "The page has no such file.\n", "Cache-Control: no-store");
     };
-    let encoding = is_packed.then(|| "Content-Encoding: gzip".to_owned());
-    let headers = [
+    let kept = if has_hash(&name) { "public, max-age=31536000, immutable" } else { "no-cache" };
+    let mut headers = vec![
         "Vary: Accept-Encoding".to_owned(),
         format!("Content-Type: {}", content_type(&name)),
-        format!(
-            "Cache-Control: {}",
-            if has_hash(&name) { "public, max-age=31536000, immutable" } else { "no-cache" }
-        ),
+        format!("Cache-Control: {kept}"),
     ];
-    let length = bytes.len();
-    answer(200, headers.iter().chain(&encoding).map(String::as_str), Box::new(Cursor::new(bytes)), length)
+    headers.extend(is_packed.then(|| "Content-Encoding: gzip".to_owned()));
+    Answer { status: "200 OK", headers, bytes }
 }
 
 /// A line of text, with one more header.
-fn plain(code: u16, text: &'static str, header: &str) -> Answer {
-    answer(
-        code,
-        ["Content-Type: text/plain; charset=utf-8", header].into_iter(),
-        Box::new(text.as_bytes()),
-        text.len(),
-    )
-}
-
-fn answer<'a>(
-    code: u16,
-    headers: impl Iterator<Item = &'a str>,
-    bytes: Box<dyn Read + Send>,
-    length: usize,
-) -> Answer {
-    // A line that is no header is none of those above.
-    let headers =
-        headers.chain(["X-Content-Type-Options: nosniff"]).filter_map(|line| line.parse::<Header>().ok());
-    // With its length, however long it is.
-    Response::new(StatusCode(code), headers.collect(), bytes, Some(length), None)
-        .with_chunked_threshold(usize::MAX)
+fn plain(status: &'static str, text: &'static str, header: &str) -> Answer {
+    let headers = vec!["Content-Type: text/plain; charset=utf-8".to_owned(), header.to_owned()];
+    Answer { status, headers, bytes: Cow::Borrowed(text.as_bytes()) }
 }
 
 /// A browser runs a module, or compiles what arrives, only by its right type.

@@ -201,6 +201,8 @@ impl App {
 
     /// Shows a setup or a plate that was opened; Undo brings the present one back.
     pub fn use_opened(&mut self, opened: Opened) {
+        // Its end would put the line of before into what is opened.
+        self.end_demonstration();
         match opened {
             Opened::Setup(setup) => self.instrument.edit(&Edit::Replace(setup)),
             Opened::Plate(plate) => self.instrument.edit(&Edit::Plate(plate)),

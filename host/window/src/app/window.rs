@@ -84,8 +84,12 @@ pub fn run(
     opening: Opening,
     opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>) + 'static,
 ) -> anyhow::Result<()> {
-    let options =
-        eframe::NativeOptions { viewport: viewport().with_fullscreen(opening.kiosk), ..Default::default() };
+    let options = eframe::NativeOptions {
+        viewport: viewport().with_fullscreen(opening.kiosk),
+        // The next window is not as large as the visitors' was.
+        persist_window: !opening.kiosk,
+        ..Default::default()
+    };
     let open = |context: &eframe::CreationContext<'_>| {
         let (window, link) = open(context, opening, opened)?;
         let press_ages = window.app.press_ages();
@@ -189,6 +193,8 @@ fn open(
     };
     let mut app = App::new(ctx, parts, setup, settings);
     if opening.kiosk {
+        // eframe gives the window the size that it had last, also where the options say otherwise.
+        ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(true));
         app.open_to_visitors();
     } else if is_first_start {
         app.demonstrate();

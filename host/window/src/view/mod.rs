@@ -27,7 +27,7 @@ pub(crate) use kept::Brush;
 pub(crate) use stage::arrow_step_m;
 pub(crate) use state::{PlatePage, Tab, ViewState};
 
-use crate::intent::Intents;
+use crate::intent::{Dialog, Intents};
 use crate::scene::Scene;
 use bars::{bottom_row, log, status_line, top_bar, tour};
 use eframe::egui;
@@ -50,8 +50,12 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
         .exact_size(status_line::HEIGHT)
         .resizable(false)
         .show(ui, |ui| ui.horizontal_centered(|ui| status(ui, room, scene, view, &mut intents)));
+    let is_calibrating = matches!(scene.dialog, Some(Dialog::Calibrate));
     // As high as the window: with the lower row under the stage alone, its first page is whole at 1280 x 720.
-    if room.below.is_none() {
+    if is_calibrating && room::has_room_beside(size) {
+        // The calibration's pages lie here; see `dialogs`.
+        egui::Panel::right("calibration").exact_size(room::BESIDE).resizable(false).show(ui, |_| ());
+    } else if room.below.is_none() {
         panel(ui, room, scene, view, &mut intents);
     }
     if let Some(shown) = scene.tour {
@@ -75,9 +79,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
         view.brush = Brush::default();
     }
     egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
-        // While the plate is measured, and before, the plate is looked at.
+        // While the plate is measured or calibrated, and before, the plate is looked at.
         let is_measured = scene.measure.live.progress.is_none() && !scene.measure.shelf.entries().is_empty();
-        if view.is_measuring() && is_measured {
+        if view.is_measuring() && is_measured && !is_calibrating {
             let page = ui.max_rect() + theme::MARGIN;
             theme::fill_page_around(ui, page, egui::Rect::from_pos(page.center()));
             response::show(ui, scene, &mut view.response);
@@ -97,9 +101,9 @@ fn status(
     view: &mut ViewState,
     intents: &mut Intents,
 ) {
-    room.switch(ui, view.log.is_open, intents);
-    // Visitors read no log.
+    // Where the stage is alone there is neither panel nor log.
     if scene.stage_alone.is_none() {
+        room.switch(ui, view.log.is_open, intents);
         log::switch(ui, &mut view.log);
     }
     status_line::show(ui, scene, &mut view.notices, intents);

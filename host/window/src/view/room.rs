@@ -10,6 +10,16 @@ const BOTH: Vec2 = vec2(760.0, 480.0);
 /// The share of an upright window's height that its panel has, below the stage.
 const PANEL_BELOW: f32 = 0.45;
 
+/// The least window whose calibration stands beside the stage and not over it, in points, and the width that it has there.
+const LEAST_BESIDE: Vec2 = vec2(1000.0, 480.0);
+pub(super) const BESIDE: f32 = 492.0;
+
+/// Whether a window of this size in points has room for the calibration beside the stage, so that the plate stays in sight
+/// while it is measured.
+pub(super) fn has_room_beside(size: Vec2) -> bool {
+    size.x >= LEAST_BESIDE.x && size.y >= LEAST_BESIDE.y
+}
+
 /// The parts that are shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Room {

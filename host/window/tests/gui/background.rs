@@ -40,14 +40,14 @@ fn the_lights_follow_the_boundary_once_it_is_let_go() {
     let mut app = TestApp::driving();
     let chip = summary(&app);
     app.click(&chip, 100);
-    assert!(app.has("At 180.0 mm, 138.3 Hz"));
+    assert!(app.has("Turning point 180.0 mm, 138.3 Hz"));
     let line = crate::line_rect(&app).center();
     app.grab(line, 0);
     app.hover(line + eframe::egui::vec2(80.0, 0.0), 100);
-    assert!(app.has("At 180.0 mm, 138.3 Hz"), "still on its way");
+    assert!(app.has("Turning point 180.0 mm, 138.3 Hz"), "still on its way");
     app.release(line + eframe::egui::vec2(80.0, 0.0), 100);
-    assert!(!app.has("At 180.0 mm, 138.3 Hz"));
-    let there = format!("At {:.1} mm", crate::boundary_mm(&app));
+    assert!(!app.has("Turning point 180.0 mm, 138.3 Hz"));
+    let there = format!("Turning point {:.1} mm", crate::boundary_mm(&app));
     assert!(app.has_part(&there), "{there}");
 }
 

@@ -80,7 +80,10 @@ fn a_plate_that_is_four_per_cent_off_is_calibrated_used_and_taken_back() {
     let off = wave_speed(&used) / wave_speed(&membrane(1.04)) - 1.0;
     assert!(off.abs() < 3e-3, "{off}");
     assert!(page(&app).is_none() && app.is_driving(), "its table is made and sent");
+    // The stage is seen, with the calibrated plate's curve.
+    assert!(app.window.query_by_role_and_label(Role::Slider, "Boundary").is_some());
     // The measurement that was opened last is of this plate now.
+    open_measure(&mut app);
     assert!(app.shows("The plate's model fits"));
     app.keys(Modifiers::COMMAND, Key::Z, 500);
     assert_eq!(app.window.state().setup(), &before);
@@ -132,6 +135,26 @@ fn each_page_leads_on_back_and_out_and_waits_for_its_answer() {
     // What is in the list can be taken.
     press(&mut app, "near.csv at 32.0 mm");
     assert!(app.is_enabled("Next"));
+}
+
+#[test]
+fn the_plate_stays_in_sight_beside_the_pages_and_a_press_on_it_ends_nothing() {
+    let mut app = TestApp::driving();
+    open_calibration(&mut app);
+    press(&mut app, "Next");
+    let sensor = app.window.get_by_label_contains("Sensor at ").rect();
+    let title = app.window.get_by_label_contains("Calibrate: ").rect();
+    let stage = crate::line_rect(&app);
+    assert!(stage.right() < title.left() && sensor.right() < title.left(), "{stage} {sensor} {title}");
+    assert!(app.window.get_by_label("2 of 5").rect().right() <= 1280.0);
+    app.grab(sensor.center(), 50);
+    app.release(sensor.center(), 200);
+    assert_eq!(page(&app), Some(2));
+    assert!(app.is_driving());
+    // Put away, it leaves no sensor on other pages.
+    press(&mut app, "Cancel");
+    app.keys(Modifiers::COMMAND, Key::Num1, 200);
+    assert!(!app.has_part("Sensor at "));
 }
 
 #[test]

@@ -18,11 +18,11 @@ fn a_key_or_a_press_switches_between_two_setups_whose_names_are_shown() {
     let mut app = TestApp::driving();
     open_play(&mut app);
     let has = |app: &TestApp, name: &str| app.has(name);
-    assert!(has(&app, "Setup A: membrane, 1 tone, turning at 180.0 mm") && has(&app, "Setup B: copy of A"));
+    assert!(has(&app, "Setup A: membrane, 1 tone, 138.3 Hz") && has(&app, "Setup B: copy of A"));
     press(&mut app, Key::B);
     arrow_right(&mut app);
-    assert!(has(&app, "Setup A: membrane, 1 tone, turning at 180.0 mm"));
-    assert!(has(&app, "Setup B: membrane, 1 tone, turning at 181.0 mm"));
+    assert!(has(&app, "Setup A: membrane, 1 tone, 138.3 Hz"));
+    assert!(has(&app, "Setup B: membrane, 1 tone, 138.9 Hz"));
     press(&mut app, Key::B);
     assert!((boundary_mm(&app) - 180.0).abs() < 1e-6);
     app.click_part("Setup B: ", 100);

@@ -7,6 +7,7 @@ use eframe::egui::{Event, Key, Modifiers, Pos2, Rect, Theme, accesskit::Role, po
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_model::scenes::SCENES;
+use slipline_model::setup::file::Opened;
 use slipline_window::settings::ThemeChoice;
 
 fn first_start() -> TestApp {
@@ -161,6 +162,18 @@ fn halfway() -> (TestApp, String) {
     }
     assert_ne!(app.setup_text(), text);
     (app, text)
+}
+
+#[test]
+fn a_setup_that_is_opened_ends_the_demonstration_and_keeps_its_line() {
+    let mut app = demonstrated();
+    app.wait(50);
+    let mut setup = app.window.state().setup().clone();
+    setup.tones[0].position_m = 0.15;
+    app.window.state_mut().use_opened(Opened::Setup(Box::new(setup)));
+    app.wait(1000);
+    assert!(!app.window.state().is_demonstrating());
+    assert_eq!(boundary_mm(&app), 150.0);
 }
 
 #[test]

@@ -16,11 +16,10 @@ use eframe::egui;
 use lanes::{Lane, Lanes};
 use serde::{Deserialize, Serialize};
 use slipline_instrument::Jobs;
-use slipline_model::jobs::{JobQueue, Task};
+use slipline_model::jobs::{self, JobQueue, Task};
 use slipline_plate::exchange::Exchange;
 use std::cell::Cell;
 use std::rc::Rc;
-use std::sync::mpsc::Sender;
 use std::time::Duration;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -83,15 +82,15 @@ macro_rules! kinds {
 
         /// Where results go.
         struct Results {
-            $($queue: Sender<(u64, Option<$done>)>,)*
+            $($queue: jobs::Results<$done>,)*
         }
 
         impl Results {
             /// Passes a result on to its queue, which is gone when the window is.
             fn send(&self, number: u64, done: Done) {
-                match done {
-                    $(Done::$kind(done) => drop(self.$queue.send((number, done))),)*
-                }
+                let _ = match done {
+                    $(Done::$kind(done) => self.$queue.send(number, done),)*
+                };
             }
 
             /// A job has no result.

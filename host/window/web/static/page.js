@@ -353,6 +353,26 @@ async function compiledFrom(address, length) {
   return WebAssembly.compileStreaming(new Response(response.body.pipeThrough(counted), { headers }));
 }
 
+// A frame takes no focus from the page around it, as eframe's field for text would when it is made. Returns what ends that.
+function withoutFocus(isWanted) {
+  const { focus } = HTMLElement.prototype;
+  if (isWanted) {
+    HTMLElement.prototype.focus = () => {};
+  }
+  return () => {
+    HTMLElement.prototype.focus = focus;
+  };
+}
+
+// Marks when the first picture was drawn, for the browser's own view of how a page loads, and for tests.
+function markFirstPicture() {
+  if (window.slipline.state().frames > 0) {
+    performance.mark("slipline: first picture");
+  } else if (!hasFailed) {
+    requestAnimationFrame(markFirstPicture);
+  }
+}
+
 async function open() {
   const missing = lacking(canvas);
   if (missing) {
@@ -366,7 +386,9 @@ async function open() {
   startLane("quick");
   startLane("long");
   await init({ module_or_path: module });
+  const focused = withoutFocus(isFrame);
   page = await openPage(canvas, host, location.hash, history.state?.isOwn === true);
+  focused();
   // A build for tests reports where each control is.
   if (page.nodes) {
     window.slipline.nodes = () => (hasFailed ? [] : page.nodes());
@@ -375,6 +397,7 @@ async function open() {
     page.deviceChanged(data.update, data.isLoud);
   }
   loading.style.display = "none";
+  markFirstPicture();
   if (!isFrame) {
     canvas.focus();
   }

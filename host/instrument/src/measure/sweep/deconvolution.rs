@@ -18,7 +18,8 @@
 //! The noise in each part of H is that of the values inside the gate: its variance is S/2 times the sum of
 //! g^2 over |X|^2, with S the noise's |N|^2 per value.
 
-use realfft::{RealFftPlanner, num_complex::Complex};
+use rustfft::num_complex::Complex;
+use slipline_model::real_fft::RealFft;
 use slipline_plate::Complex64;
 use std::f64::consts::{PI, TAU};
 
@@ -87,24 +88,14 @@ pub(super) fn responses(of: &Recorded<'_>, gate: &Gate, frequencies_hz: &[f64]) 
     Spectra { played: &played, heard: &heard, noise, rounding, rate_hz }.responses(gate, frequencies_hz)
 }
 
-/// Spectrum of these values, padded with zeros to `count` values.
+/// Spectrum of these values, padded with zeros to `count` values, a power of two.
 pub(super) fn spectrum(values: &[f64], count: usize) -> Option<Vec<Complex<f64>>> {
-    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(count);
-    let mut padded = values.to_vec();
-    padded.resize(count, 0.0);
-    let mut bins = forward.make_output_vec();
-    forward.process(&mut padded, &mut bins).ok().map(|()| bins)
+    RealFft::new(count).map(|fft| fft.spectrum(values))
 }
 
 /// Inverse real FFT of a half spectrum, not divided by the number of values.
-pub(super) fn values(mut bins: Vec<Complex<f64>>) -> Option<Vec<f64>> {
-    let count = 2 * (bins.len().checked_sub(1)?);
-    // The first and last bin of a real signal are real.
-    bins[0].im = 0.0;
-    bins[count / 2].im = 0.0;
-    let mut values = vec![0.0; count];
-    let backward = RealFftPlanner::<f64>::new().plan_fft_inverse(count);
-    backward.process(&mut bins, &mut values).ok().map(|()| values)
+pub(super) fn values(bins: &[Complex<f64>]) -> Option<Vec<f64>> {
+    RealFft::new(2 * bins.len().checked_sub(1)?).map(|fft| fft.values(bins))
 }
 
 impl Spectra<'_> {
@@ -126,21 +117,22 @@ impl Spectra<'_> {
         let weighed = |(weight, (x, y)): (&f64, (&Complex<f64>, &Complex<f64>))| {
             if *weight > 0.0 { y * x.conj() * (weight / x.norm_sqr()) } else { Complex::default() }
         };
-        values(band.iter().zip(self.played.iter().zip(self.heard)).map(weighed).collect())
+        values(&band.iter().zip(self.played.iter().zip(self.heard)).map(weighed).collect::<Vec<_>>())
     }
 
     /// The responses at these frequencies; `None` if nothing was played at one of them.
     pub(super) fn responses(&self, gate: &Gate, frequencies_hz: &[f64]) -> Option<Vec<Answer>> {
-        let edges = values(self.band(gate).into_iter().map(Complex::from).collect())?;
+        let edges = values(&self.band(gate).into_iter().map(Complex::from).collect::<Vec<_>>())?;
         let edges = gated(&edges, gate, self.rate_hz);
         let gated = gated(&self.impulse(gate)?, gate, self.rate_hz);
         let energy: f64 = gated.iter().map(|(_, _, weight)| weight * weight).sum();
         // The gate smooths 1/|X|^2 as it smooths H.
         let bin_hz = self.bin_hz();
         let blur = (bin_hz * gate.ring_s).recip().ceil() as usize;
-        // |N|^2 per value at each bin.
-        let noise_values = self.noise.len() as f64;
-        let bins = spectrum(self.noise, self.noise.len())?;
+        // |N|^2 per value at each bin, of the most values whose number is a power of two.
+        let count = 1 << self.noise.len().checked_ilog2()?;
+        let noise_values = count as f64;
+        let bins = spectrum(&self.noise[..count], count)?;
         let noise: Vec<f64> = bins.iter().map(|bin| bin.norm_sqr() / noise_values).collect();
         let noise_bin_hz = self.rate_hz / noise_values;
         let answer = |&frequency_hz: &f64| {

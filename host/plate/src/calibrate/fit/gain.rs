@@ -13,6 +13,7 @@ use super::response::prediction::per_metre;
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::Measurement;
 use crate::definition::{Plate, ResponseCurve};
+use crate::order;
 use crate::progress::Progress;
 use crate::table::level::{DriveToPeak, Level};
 use nalgebra::{DMatrix, DVector};
@@ -154,7 +155,7 @@ impl Process {
         let judged = (0..JUDGED).map(|i| (low + (high - low) * i as f64 / (JUDGED - 1) as f64, None));
         let mut all: Vec<(f64, Option<usize>)> =
             judged.chain(places.at.iter().enumerate().map(|(i, at)| (*at, Some(i)))).collect();
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        order::sort_by(&mut all, |a, b| a.0.total_cmp(&b.0));
         let places = Places {
             at: all.iter().map(|(at, _)| *at).collect(),
             variances: all.iter().map(|(_, i)| i.map_or(f64::INFINITY, |i| places.variances[i])).collect(),

@@ -5,6 +5,7 @@ use super::acceptance::CHI2_PER_N_MAX;
 use super::least_squares::{self, Fit, Problem, minima, slope};
 use super::response::wave::{COARSE, FINE};
 use super::unknowns::{OF_PLATE, STEPS, with_speed};
+use crate::order;
 
 /// Model error during the scan: it widens the valleys, so that fewer places must be tried, and beside a node little is to be
 /// learnt as long as the plate is wrong.
@@ -157,6 +158,6 @@ pub(crate) fn scan(
         let along: Vec<f64> = (0..=count as usize).map(chi2).collect();
         found.extend(minima(&along).map(|(i, here)| (here, [speed(i), loss])));
     }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    order::sort_by(&mut found, |a, b| a.0.total_cmp(&b.0));
     (found, (fastest - slowest) / count)
 }

@@ -27,6 +27,7 @@ use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorBody};
 use crate::calibrate::measurement::signal;
 use crate::definition::{Plate, limits};
+use crate::order;
 use num_complex::Complex64;
 
 /// Prior deviation of the logarithm of the speed.
@@ -189,7 +190,7 @@ impl SpeedTrim {
         let change = |i: usize| -CHANGES + i as f64 * CHANGE_STEP;
         let along: Vec<f64> = (0..=count).map(|i| chi2(change(i))).collect();
         let mut valleys: Vec<(f64, f64)> = minima(&along).map(|(i, _)| bottom(&chi2, change(i))).collect();
-        valleys.sort_by(|a, b| a.1.total_cmp(&b.1));
+        order::sort_by(&mut valleys, |a, b| a.1.total_cmp(&b.1));
         let Some(&(best, least)) = valleys.first() else { return Err(CalibrateError::NoFit) };
         let chi2_per_n = least / (phases.len() - 1) as f64;
         if chi2_per_n > CHI2_PER_N_MAX {

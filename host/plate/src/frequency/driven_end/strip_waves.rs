@@ -7,6 +7,7 @@
 //!
 //! quadratic in s. It has two solutions s per polynomial; of k = +-sqrt(s)/W one leads or decays away from an end.
 
+use crate::order;
 use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex64;
 use std::sync::LazyLock;
@@ -124,7 +125,7 @@ impl Section {
         }
         let triangle = Schur::new(companion).unpack().1;
         let mut squares: Vec<Complex64> = (0..2 * ORDERS).map(|i| triangle[(i, i)]).collect();
-        squares.sort_by(|a, b| (a - propagating).norm().total_cmp(&(b - propagating).norm()));
+        order::sort_by(&mut squares, |a, b| (a - propagating).norm().total_cmp(&(b - propagating).norm()));
         squares.into_iter().map(|square| self.wave(t, square, &still, half_width_m)).collect()
     }
 

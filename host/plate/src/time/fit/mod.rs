@@ -20,6 +20,7 @@ pub(super) use plate::response;
 
 use super::band_plan::BandPlan;
 use super::modal::ModalBank;
+use crate::order;
 use barycentric::Barycentric;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
@@ -213,7 +214,7 @@ fn beside_resonances(pole: &[Complex64], low: f64, high: f64) -> Vec<f64> {
 /// Makes the worst samples support points and returns the places of new samples on both sides of each.
 fn refine(samples: &[Sample], error: &[f64], support: &mut Vec<f64>, tolerance: f64) -> Vec<f64> {
     let mut order: Vec<usize> = (0..samples.len()).filter(|&i| !support.contains(&samples[i].s)).collect();
-    order.sort_by(|&a, &b| error[b].total_cmp(&error[a]));
+    order::sort_by(&mut order, |&a, &b| error[b].total_cmp(&error[a]));
     // Several at a time, because each round costs a decomposition; fewer near the end, for few poles.
     let is_far = order.first().is_some_and(|&i| error[i] > 300.0 * tolerance);
     let most = (support.len() / if is_far { 4 } else { 12 }).max(1);
@@ -237,7 +238,7 @@ fn refine(samples: &[Sample], error: &[f64], support: &mut Vec<f64>, tolerance: 
 fn fewest_poles(samples: &[Sample], all: PartialFractions, tolerance: f64) -> PartialFractions {
     let effect = all.effect(samples);
     let mut order: Vec<usize> = (0..all.pole.len()).collect();
-    order.sort_by(|&a, &b| effect[b].total_cmp(&effect[a]));
+    order::sort_by(&mut order, |&a, &b| effect[b].total_cmp(&effect[a]));
     let pole = order.iter().map(|&i| all.pole[i]).collect();
     let squares = LeastSquares::new(samples, pole, all.term.ncols());
     let enough = squares.fewest(tolerance);

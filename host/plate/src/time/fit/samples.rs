@@ -1,5 +1,6 @@
 //! The field at sampled frequencies, in the fit's own scale: s = (omega - centre)/half band.
 
+use crate::order;
 use num_complex::Complex64;
 
 /// Sums over all positions that represent the field in the search for poles.
@@ -75,6 +76,6 @@ impl<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>, W: Fn(f64) -> f64> Samples<R, W> {
                 self.sample.push(Sample { s, field, top, weight, sum });
             }
         }
-        self.sample.sort_by(|a, b| a.s.total_cmp(&b.s));
+        order::sort_by(&mut self.sample, |a, b| a.s.total_cmp(&b.s));
     }
 }

@@ -5,6 +5,7 @@ use crate::definition::plate::Plate;
 use crate::frequency::equation::Equation;
 use crate::frequency::finger::{self, Finger};
 use crate::frequency::numerov::{self, Grid};
+use crate::order;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -84,7 +85,7 @@ impl Fields {
         });
         // Far below the band a finger's field is not finite.
         rows.retain(|(_, field)| field.iter().all(|it| it.is_finite()));
-        rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+        order::sort_by(&mut rows, |a, b| a.0.total_cmp(&b.0));
         Self { rows, step_m, exact_hz }
     }
 

@@ -9,7 +9,8 @@ mod selftest;
 
 use crate::intent::{Asks as _, Confirm, Dialog, Export, Intent, Intents};
 use crate::scene::Scene;
-use crate::view::bars::top_bar;
+use crate::view::bars::{status_line, top_bar};
+use crate::view::room;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use crate::view::theme::GAP;
@@ -65,16 +66,16 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         view.typed_path = None;
         return;
     };
-    let frame = egui::Frame::popup(ui.style()).inner_margin(MARGIN);
-    let room = ui.ctx().content_rect().size() - egui::Vec2::splat(2.0 * f32::from(MARGIN));
-    let width = if is_wide(dialog) { WIDE } else { USUAL };
-    // The page is low enough to stay clear of STOP, which is drawn above every page.
-    let height = (room.y - 2.0 * top_bar::HEIGHT).max(LEAST_HEIGHT);
-    let response = egui::Modal::new(egui::Id::unique("dialog")).frame(frame).show(ui.ctx(), |ui| {
-        ui.set_width(width.min(room.x - 2.0 * GAP).max(0.0));
+    let is_calibration = matches!(dialog, Dialog::Calibrate);
+    let size = ui.ctx().content_rect().size();
+    let is_beside = is_calibration && room::has_room_beside(size);
+    let Placed { modal, room } =
+        if is_beside { beside(ui, size) } else { centred(ui, size, is_wide(dialog)) };
+    let response = modal.show(ui.ctx(), |ui| {
+        ui.set_width(room.x);
         // The calibration's buttons keep their places from page to page.
-        let is_fixed = matches!(dialog, Dialog::Calibrate);
-        let most = if is_fixed { (height - CLOSE).min(CALIBRATE) } else { height - CLOSE };
+        let is_fixed = is_calibration;
+        let most = if is_fixed && !is_beside { (room.y - CLOSE).min(CALIBRATE) } else { room.y - CLOSE };
         // Without the least height an area in a page takes no more than it had: a page that grows would be cut.
         let area = egui::ScrollArea::vertical().max_height(most).min_scrolled_height(most);
         // Each of its pages begins at its top.
@@ -112,8 +113,49 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         })
         .inner
     });
-    if response.inner || response.should_close() {
+    // A press on the plate, which is in sight beside the calibration, does not end it.
+    let is_beside_it = is_calibration && response.backdrop_response.clicked();
+    if response.inner || (response.should_close() && !is_beside_it) {
         intents.push(Intent::Dialog(None));
+    }
+}
+
+/// A page's place in the window, and the room within its margins, in points.
+struct Placed {
+    modal: egui::Modal,
+    room: egui::Vec2,
+}
+
+/// In the middle of the window, low enough to stay clear of STOP, which is drawn above every page.
+fn centred(ui: &egui::Ui, size: egui::Vec2, is_wide: bool) -> Placed {
+    let most = size - egui::Vec2::splat(2.0 * f32::from(MARGIN));
+    let width = if is_wide { WIDE } else { USUAL };
+    let frame = egui::Frame::popup(ui.style()).inner_margin(MARGIN);
+    Placed {
+        modal: egui::Modal::new(egui::Id::unique("dialog")).frame(frame),
+        room: egui::vec2(
+            width.min(most.x - 2.0 * GAP).max(0.0),
+            (most.y - 2.0 * top_bar::HEIGHT).max(LEAST_HEIGHT),
+        ),
+    }
+}
+
+/// At the right of the stage, which stays as bright as it is but for a trace, between the top bar and the status line.
+fn beside(ui: &egui::Ui, size: egui::Vec2) -> Placed {
+    let id = egui::Id::unique("dialog");
+    let under = egui::vec2(0.0, top_bar::HEIGHT);
+    let area = egui::Modal::default_area(id).anchor(egui::Align2::RIGHT_TOP, under);
+    let frame = egui::Frame::new()
+        .fill(theme::palette(ui).panel)
+        .stroke(egui::Stroke::new(1.0, theme::palette(ui).line))
+        .inner_margin(MARGIN);
+    let outer = egui::vec2(room::BESIDE, size.y - top_bar::HEIGHT - status_line::HEIGHT);
+    Placed {
+        modal: egui::Modal::new(id)
+            .area(area)
+            .frame(frame)
+            .backdrop_color(egui::Color32::from_black_alpha(1)),
+        room: outer - frame.total_margin().sum(),
     }
 }
 

@@ -27,6 +27,10 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     }
 }
 
+/// Height of a port in the list, in points, and the number of ports for which the list always has room.
+const PORT: f32 = 28.0;
+const LISTED: f32 = 3.0;
+
 fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let palette = theme::palette(ui);
     ui.horizontal(|ui| {
@@ -37,6 +41,7 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &m
                 .asks(intents, Intent::RefreshPorts);
         });
     });
+    let end = ui.cursor().top() + LISTED * (PORT + ui.spacing().item_spacing.y);
     for info in scene.ports {
         let is_current = scene.snapshot.link.port.as_ref() == Some(&info.port);
         let badge = match info.port {
@@ -45,7 +50,7 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &m
             Port::Serial(_) | Port::Unix(_) => "",
         };
         let badge = RichText::new(badge).small().color(palette.accent);
-        let size = egui::vec2(ui.available_width(), 28.0);
+        let size = egui::vec2(ui.available_width(), PORT);
         let button =
             egui::Button::selectable(is_current, &info.label).right_text(badge).truncate().min_size(size);
         let help = format!("{}: press to connect to it", info.port);
@@ -61,6 +66,8 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &m
     if scene.ports.len() <= 1 {
         ui.label(RichText::new("No serial port found.").small().color(palette.weak));
     }
+    // A board that is plugged in moves nothing.
+    ui.add_space((end - ui.cursor().top()).max(0.0));
     // A browser opens no port by its name.
     if !scene.asks_for_port {
         another_port(ui, scene, view, intents);

@@ -11,7 +11,7 @@ use eframe::egui::{self, RichText};
 use slipline_model::field::displacement_map::slow_factor;
 use slipline_model::setup::Setup;
 use slipline_model::setup::compare::Side;
-use slipline_plate::quantity::{self, show_place};
+use slipline_plate::quantity::{self, show_frequency};
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     compare(ui, scene, intents);
@@ -23,12 +23,14 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     time(ui, scene, view, intents);
 }
 
-/// A setup in a line: its plate, its tones and, after `at`, the first place.
-fn summary(setup: &Setup, at: &str) -> String {
+/// A setup in a line: its plate, its tones and the first one's frequency, which is the same wherever its line is drawn.
+fn summary(setup: &Setup) -> String {
     let count = setup.tones.len();
     let tones = if count == 1 { "1 tone".to_owned() } else { format!("{count} tones") };
-    let place = setup.tones.first().map_or_else(String::new, |tone| show_place(tone.position_m));
-    format!("{}, {tones}, {at}{place}", setup.plate.name())
+    let frequency = setup.tones.first().map_or_else(String::new, |tone| {
+        format!(", {}", show_frequency(setup.plate.frequency_for_boundary_hz(tone.position_m)))
+    });
+    format!("{}, {tones}{frequency}", setup.plate.name())
 }
 
 fn compare(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
@@ -38,14 +40,13 @@ fn compare(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         let is_here = side == here;
         let other = scene.compare.other().filter(|_| !is_here);
         let setup = if is_here { Some(scene.setup) } else { other };
-        let words = |at: &str| setup.map_or_else(|| "copy of A".to_owned(), |setup| summary(setup, at));
-        // The shown words are shorter, as the row is narrow.
-        let text = format!("{}   {}", side.letter(), words(""));
+        let words = setup.map_or_else(|| "copy of A".to_owned(), summary);
+        let text = format!("{}   {words}", side.letter());
         let size = egui::vec2(ui.available_width(), 28.0);
         let button = egui::Button::selectable(is_here, text).truncate().min_size(size);
         let button = ui.add(button);
         button.widget_info(|| {
-            let name = format!("Setup {}: {}", side.letter(), words("turning at "));
+            let name = format!("Setup {}: {words}", side.letter());
             egui::WidgetInfo::selected(egui::Role::Button, true, is_here, name)
         });
         let help = "The plate follows at once, if it is driven. Ctrl+B switches; Undo takes it back";

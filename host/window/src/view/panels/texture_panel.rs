@@ -12,7 +12,7 @@ use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, RichText, vec2};
 use slipline_instrument::TourStep;
-use slipline_model::field::felt::by_person_words;
+use slipline_model::field::felt::by_person_places;
 use slipline_model::jobs::texture::Textured;
 use slipline_model::texture::{BREAKPOINTS_DRAWN_MAX, Fitted, Made, WishDraft, WishKind};
 use slipline_plate::quantity::{self, show_frequency, show_length, show_place};
@@ -205,8 +205,9 @@ fn numbers(ui: &mut egui::Ui, scene: &Scene<'_>, textured: &Textured, made: &Mad
             "How far its RMS over 30 ms swings within a second, by beats: at the median place, and up to {largest} at {place}"
         ));
     }
-    if let Some(words) = rest.and_then(|rest| by_person_words(rest.by_person?)) {
-        row(ui, "Felt to", words);
+    if let Some(places) = rest.and_then(|rest| by_person_places(rest.by_person?)) {
+        row(ui, "Felt to, by person", places)
+            .on_hover_text("Where the area ends for persons who feel less and for those who feel more");
     }
     let largest_m = textured.rms_m.iter().copied().fold(0.0, f64::max);
     row(ui, "RMS at most", show_length(largest_m));

@@ -111,7 +111,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
     let job = &checked.job;
     let frequency_hz = job.plate.frequency_for_boundary_hz(job.boundary_m);
     ui.horizontal(|ui| {
-        let text = format!("At {}, {}", show_place(job.boundary_m), show_frequency(frequency_hz));
+        let text = format!("Turning point {}, {}", show_place(job.boundary_m), show_frequency(frequency_hz));
         ui.label(RichText::new(text).strong());
         if scene.background.checks.current().is_none() {
             ui.label(RichText::new("being checked…").small().color(palette.weak));

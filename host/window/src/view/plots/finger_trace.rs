@@ -45,7 +45,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsView, 
     }
     let Some(latest) = scene.trace.latest().filter(|_| scene.sounding.is_some()) else {
         let is_paused = scene.sounding.is_some() && !scene.settings.animate;
-        return plots::empty(ui, if is_paused { "paused" } else { plots::AT_REST });
+        return plots::empty(ui, if is_paused { "paused" } else { plots::at_rest(scene) });
     };
     let area = ui.available_rect_before_wrap();
     let lanes = lanes(scene.trace);

@@ -16,6 +16,7 @@ use egui_plot::{Line, PlotPoint, PlotPoints, PlotResponse, VLine};
 use frame::{Frame, fit, plot, seen_apart};
 use slipline_model::field::steady_field::magnification;
 use slipline_model::waveform::level_at;
+use slipline_plate::order;
 use slipline_plate::quantity::show_frequency;
 use steer::steer;
 use tabs::{SPECTRUM, SPECTRUM_HELP, WAVEFORM, WAVEFORM_HELP, headed};
@@ -114,13 +115,15 @@ pub(crate) fn pause(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &
 fn nothing(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let is_lost = scene.sounding.is_some() && !scene.waveform.is_true();
     let lost = if scene.snapshot.is_holding() { HELD } else { "not followed: stop and drive again" };
-    empty(ui, if is_lost { lost } else { AT_REST });
+    empty(ui, if is_lost { lost } else { at_rest(scene) });
 }
 
 /// The text of an empty plot while the device holds levels and changes the drive by itself.
 const HELD: &str = "not known while levels are held";
-/// The text of an empty plot while nothing sounds.
-pub(crate) const AT_REST: &str = "nothing is driven";
+/// The text of an empty plot while the setup does not sound.
+pub(crate) fn at_rest(scene: &Scene<'_>) -> &'static str {
+    if scene.measure.live.progress.is_some() { "the plate is being measured" } else { "nothing is driven" }
+}
 
 /// An empty plot, and why it is empty.
 pub(crate) fn empty(ui: &mut egui::Ui, text: &str) {
@@ -252,7 +255,7 @@ pub(crate) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsVi
     note(ui, &shown, is_held, 1.0);
     let level = |&hertz: &f64| Some((hertz, level_at(lines, hertz).filter(|level| *level > PEAK_FLOOR_DB)?));
     let mut tones: Vec<(f64, f64)> = pitches.iter().filter_map(level).collect();
-    tones.sort_by(|a, b| b.1.total_cmp(&a.1));
+    order::sort_by(&mut tones, |a, b| b.1.total_cmp(&a.1));
     label_tones(ui, &shown, tones.into_iter().map(|(hertz, level_db)| (place(hertz), level_db, hertz)));
 }
 
@@ -278,6 +281,8 @@ fn label_tones(ui: &egui::Ui, shown: &PlotResponse<()>, tops: impl Iterator<Item
                 && taken.iter().all(|other| !other.expand2(egui::vec2(2.0, -0.5)).intersects(*rect))
         };
         if let Some(rect) = ROWS.map(row).into_iter().find(is_free) {
+            // The lines of its neighbours do not cross its digits.
+            painter.rect_filled(rect, 2.0, palette.well.gamma_multiply(0.8));
             painter.galley(rect.min, galley, palette.text);
             taken.push(rect);
         }

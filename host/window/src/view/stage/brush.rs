@@ -135,6 +135,7 @@ fn wanted(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, height: &Height, is
 /// What line and shade mean, from this place on as far as there is room; returns where it ends.
 fn legend(ui: &egui::Ui, from: Pos2, end: f32) -> f32 {
     let palette = theme::palette(ui);
+    let behind = ui.painter().add(Shape::Noop);
     let mut left = from.x + GAP;
     for words in ["wanted", "out of reach"] {
         let galley = ui.painter().layout_no_wrap(words.to_owned(), FontId::proportional(11.5), palette.weak);
@@ -152,5 +153,8 @@ fn legend(ui: &egui::Ui, from: Pos2, end: f32) -> f32 {
         ui.painter().galley(pos2(sample.right() + 6.0, from.y - 0.5 * galley.size().y), galley, palette.weak);
         left = right + 2.0 * GAP;
     }
+    // The curves do not cross its words.
+    let area = Rect::from_min_max(pos2(from.x, from.y - 9.0), pos2(left - GAP, from.y + 9.0));
+    ui.painter().set(behind, Shape::rect_filled(area, 4.0, palette.well.gamma_multiply(0.9)));
     left
 }

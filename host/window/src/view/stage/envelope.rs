@@ -18,6 +18,8 @@ const STALE: f32 = 0.35;
 
 /// Least height of a label with the space to the next, in points.
 const LABEL: f32 = 22.0;
+/// The least height of an envelope with a legend, in points.
+const LEGEND: f32 = 80.0;
 /// Space over the top of the scale, in points.
 const OVER: f32 = 6.0;
 
@@ -64,11 +66,7 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let curve = line(&predicted.drawn_m());
     let fill = ink.gamma_multiply(if is_sounding { 0.22 } else { 0.08 });
     painter.add(area(&curve, rect.bottom(), fill));
-    if is_sounding {
-        painter.add(Shape::line(curve, Stroke::new(1.8, ink)));
-    } else {
-        painter.extend(Shape::dashed_line(&curve, Stroke::new(1.5, ink), 6.0, 4.0));
-    }
+    painter.extend(curve_of(scene, &curve, ink));
     if predicted.is_mean() {
         let bound = line(&predicted.bound_m);
         painter.extend(Shape::dashed_line(&bound, Stroke::new(1.2, palette.weak), 3.0, 3.0));
@@ -96,6 +94,15 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         painter.extend(Shape::dashed_line(&line, Stroke::new(1.0, palette.weak), 5.0, 4.0));
         let place = pos2(axis.screen().max - 4.0, y - 2.0);
         painter.text(place, Align2::RIGHT_BOTTOM, "just felt", FontId::proportional(11.5), palette.weak);
+    }
+}
+
+/// The predicted curve, here and in the legend: dashed while nothing sounds.
+fn curve_of(scene: &Scene<'_>, points: &[Pos2], ink: Color32) -> Vec<Shape> {
+    if scene.sounding.is_some() {
+        vec![Shape::line(points.to_vec(), Stroke::new(1.8, ink))]
+    } else {
+        Shape::dashed_line(points, Stroke::new(1.5, ink), 6.0, 4.0)
     }
 }
 
@@ -199,8 +206,11 @@ fn edge(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, height: &Height) {
 }
 
 /// The legend, in an opaque box, so that the boundary lines do not cross its text. It has the upper row from `left_end` on, in
-/// points.
+/// points; a low envelope has none, because it would hide the peak.
 pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect, left_end: f32) {
+    if rect.height() < LEGEND {
+        return;
+    }
     let palette = theme::palette(ui);
     let painter = ui.painter();
     let box_behind = painter.add(Shape::Noop);
@@ -244,7 +254,7 @@ pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect, 
     let what = if scene.predicted.is_mean() { "mean of all tones, predicted" } else { "predicted" };
     let touched = if scene.load.is_some() { " with the finger" } else { "" };
     entry(&format!("{what}{touched}"), &|left| {
-        painter.hline(Rangef::new(left, left + 18.0), y, Stroke::new(1.8, palette.accent));
+        painter.extend(curve_of(scene, &[pos2(left, y), pos2(left + 18.0, y)], palette.accent));
     });
     let behind = Rect::from_min_max(pos2(right + 8.0, y - 9.0), pos2(axis.screen().max, y + 9.0));
     painter.set(box_behind, Shape::rect_filled(behind, 4.0, palette.well.gamma_multiply(0.9)));

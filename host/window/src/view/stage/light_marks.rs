@@ -10,6 +10,7 @@ use crate::view::theme;
 use eframe::egui::{self, Rangef, Rect, Sense, Shape, Stroke, pos2, vec2};
 use slipline_instrument::concern::Concern;
 use slipline_plate::check::{Light, Stretch};
+use slipline_plate::order;
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;
 use theme::HANDLE;
@@ -79,7 +80,7 @@ impl<'a> LightMarks<'a> {
         let mut marks: Vec<((Concern, &Light), f32)> =
             self.lights.iter().copied().zip(self.at.iter().copied()).collect();
         // Red over amber over notes.
-        marks.sort_by_key(|((concern, _), _)| *concern);
+        order::sort_by_key(&mut marks, |((concern, _), _)| *concern);
         for ((concern, light), x) in marks {
             let ink = validity::ink(concern, palette).gamma_multiply(share);
             for stretch in &light.stretches {
@@ -145,7 +146,7 @@ fn failing<'a>(scene: &'a Scene<'_>) -> (Vec<(Concern, &'a Light)>, bool) {
     let failing = lights.iter().filter(|light| !light.stretches.is_empty());
     let mut failing: Vec<_> = failing.map(|light| (scene.concern(light), light)).collect();
     // Lights of the same place keep their order.
-    failing.sort_by(|(_, a), (_, b)| middle_m(a).total_cmp(&middle_m(b)));
+    order::sort_by(&mut failing, |(_, a), (_, b)| middle_m(a).total_cmp(&middle_m(b)));
     (failing, checked.job.boundary_m == tone.position_m && checks.current().is_some())
 }
 

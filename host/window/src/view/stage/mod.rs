@@ -31,6 +31,7 @@ use eframe::egui::{self, Align2, CornerRadius, FontId, Key, Rangef, Rect, Stroke
 use hint::Hint;
 use layout::{LABEL, Layout, MARGIN};
 use light_marks::LightMarks;
+use slipline_plate::order;
 
 pub(crate) use line::handle_name;
 
@@ -76,7 +77,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         LightMarks::show(ui, scene, view, &layout.axis, area.x_range(), (drawn, layout.envelope.top()));
     // The selected tone comes last, so that it is drawn on top and gets the pointer first.
     let mut order: Vec<u8> = scene.setup.tones.iter().map(|tone| tone.slot).collect();
-    order.sort_by_key(|&slot| slot == scene.selected);
+    order::sort_by_key(&mut order, |&slot| slot == scene.selected);
     for slot in order {
         line::show(ui, scene, &layout, slot, view, intents);
     }

@@ -2,6 +2,7 @@
 //! of a measurement is done.
 
 use super::layout::Layout;
+use crate::intent::Dialog;
 use crate::scene::Scene;
 use crate::view::state::ViewState;
 use crate::view::theme;
@@ -17,7 +18,8 @@ const STEPS: f32 = 48.0;
 /// Its place in metres, while there is something to measure.
 fn place_m(scene: &Scene<'_>, view: &ViewState) -> Option<f64> {
     let live = &scene.measure.live;
-    let asked_m = scene.calibration.as_ref().and_then(|shown| {
+    let open = scene.calibration.as_ref().filter(|_| matches!(scene.dialog, Some(Dialog::Calibrate)));
+    let asked_m = open.and_then(|shown| {
         let calibration = shown.calibration;
         Some(calibration.places_m()[calibration.step.sensor()?])
     });

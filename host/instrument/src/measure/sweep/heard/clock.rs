@@ -53,7 +53,7 @@ pub(super) fn delay(
         .filter(|(_, c)| c.norm_sqr() > 0.0)
         .map(|(bin, c)| (TAU * bin as f64 / count as f64, *c))
         .collect();
-    let correlation = values(cross)?;
+    let correlation = values(&cross)?;
     let at = |delay: isize| correlation[delay.rem_euclid(count as isize) as usize];
     let within = within.min(count / 2 - 1) as isize;
     let whole = (-within..=within).max_by(|&a, &b| at(a).total_cmp(&at(b)))?;

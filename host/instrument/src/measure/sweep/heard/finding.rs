@@ -12,8 +12,9 @@
 use super::super::deconvolution::{Gate, spectrum};
 use super::reference::Reference;
 use super::{HeardError, Sound};
-use rustfft::FftPlanner;
+use rustfft::algorithm::Radix4;
 use rustfft::num_complex::Complex;
+use rustfft::{Fft as _, FftDirection};
 
 /// Smallest ratio of e to its median at the first sweep, and at the second one, which has half the level.
 /// Noise alone reaches 4 to 5.
@@ -80,7 +81,7 @@ fn envelope(sound: &Sound, reference: &Reference, gate: &Gate, sweep: usize) -> 
     let fewer = (2 * count).next_power_of_two().min(block);
     let step = block / fewer;
     let hop = (block - sweep) / step;
-    let inverse = FftPlanner::new().plan_fft_inverse(fewer);
+    let inverse = Radix4::<f64>::new(fewer, FftDirection::Inverse);
     let starts = values.len().checked_sub(sweep)? / step + 1;
     let mut found: Vec<f32> = Vec::with_capacity(starts);
     while found.len() < starts {

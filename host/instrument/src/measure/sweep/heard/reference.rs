@@ -13,8 +13,9 @@
 //! above it, where the sweep has no energy.
 
 use super::super::deconvolution::{spectrum, values};
-use rustfft::FftPlanner;
+use rustfft::algorithm::Radix4;
 use rustfft::num_complex::Complex;
+use rustfft::{Fft as _, FftDirection};
 use std::f64::consts::PI;
 
 /// Lower rate over the highest wanted frequency, at least.
@@ -39,7 +40,7 @@ impl Reference {
         bins.truncate(fewer / 2 + 1);
         // Keeps the spectrum's scale with fewer values.
         let scale = (fewer as f64).recip();
-        let values = values(bins)?.into_iter().map(|value| value * scale).collect();
+        let values = values(&bins)?.into_iter().map(|value| value * scale).collect();
         Some(Self { values, rate_hz: rate_hz * fewer as f64 / count as f64 })
     }
 
@@ -72,17 +73,16 @@ impl Reference {
     }
 }
 
-/// Circular convolution of two lists of equal length.
+/// Circular convolution of two lists of equal length, a power of two.
 fn convolved(mut one: Vec<Complex<f64>>, mut other: Vec<Complex<f64>>) -> Vec<Complex<f64>> {
-    let mut planner = FftPlanner::new();
-    let forward = planner.plan_fft_forward(one.len());
+    let forward = Radix4::<f64>::new(one.len(), FftDirection::Forward);
     forward.process(&mut one);
     forward.process(&mut other);
     let scale = (one.len() as f64).recip();
     for (here, there) in one.iter_mut().zip(&other) {
         *here *= there * scale;
     }
-    planner.plan_fft_inverse(one.len()).process(&mut one);
+    Radix4::<f64>::new(one.len(), FftDirection::Inverse).process(&mut one);
     one
 }
 

@@ -17,6 +17,7 @@ use crate::field::steady_field::{POINTS, SteadyField, displacement_unit, envelop
 use crate::jobs::Task;
 use crate::setup::{BoundaryMode, Setup};
 use layout::Layout;
+use slipline_plate::order;
 use slipline_plate::quantity::{show_frequency, show_length, show_place};
 
 const WEAK: Ink = HUES[5];
@@ -222,7 +223,7 @@ impl Figure<'_> {
             };
             marks.push((x, text));
         }
-        marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        order::sort_by(&mut marks, |a, b| a.0.total_cmp(&b.0));
         // A number that would overlap the one before is moved above it.
         let mut taken = [f64::NEG_INFINITY; 2];
         for (x, text) in marks {

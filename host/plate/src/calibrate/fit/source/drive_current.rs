@@ -23,6 +23,7 @@ use super::sensor_signal::{IMPEDANCES, OF_ACTUATOR, OF_PLATE_SIZE, actuator, lag
 use super::source_model::SourceModel;
 use crate::calibrate::fit::linear_least_squares::Columns;
 use crate::calibrate::fit::response::plate_response::{PlateResponse, dynamic_stiffness};
+use crate::order;
 use num_complex::Complex64;
 
 /// Coordinates after resistance, mass and stiffness.
@@ -181,7 +182,7 @@ impl SourceModel for DriveCurrent {
                 found.extend(left.map(|left| (left, source)));
             }
         }
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        order::sort_by(&mut found, |a, b| a.0.total_cmp(&b.0));
         found.into_iter().map(|(_, source)| source).take(STARTS).collect()
     }
 }

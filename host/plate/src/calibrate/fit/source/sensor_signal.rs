@@ -13,6 +13,7 @@ use super::data::Datum;
 use super::source_model::SourceModel;
 use crate::calibrate::fit::linear_least_squares::Columns;
 use crate::calibrate::fit::response::plate_response::{PlateResponse, Units};
+use crate::order;
 use num_complex::Complex64;
 
 /// Coordinates after resistance, mass and stiffness: a1, a2, gain, delay.
@@ -124,7 +125,7 @@ impl SourceModel for SensorSignal {
             }
             found.push((left, source));
         }
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        order::sort_by(&mut found, |a, b| a.0.total_cmp(&b.0));
         found.into_iter().map(|(_, source)| source).take(STARTS).collect()
     }
 }

@@ -8,6 +8,9 @@ use slipline_plate::quantity::show_place;
 /// Height of the drawing in points, and the room beside the plate.
 const HEIGHT: f32 = 120.0;
 const MARGIN: f32 = 16.0;
+/// Least distance of two places whose words are centred, and the space between other words and their line, in points.
+const WORDS: f32 = 64.0;
+const ASIDE: f32 = 2.0;
 /// Points along an edge.
 const POINTS: usize = 64;
 
@@ -52,13 +55,20 @@ pub(super) fn show(ui: &mut egui::Ui, calibration: &CalibrationWizard, sensor: u
         let stood = calibration.answer(i).filter(|_| i < sensor);
         stood.map_or(calibration.places_m()[i], |answer| answer.measurement.place_m)
     };
+    let across = |i: usize| drawn.left() + (place_m(i) / length_m) as f32 * drawn.width();
     for i in 0..=sensor {
         let ink = if i == sensor { palette.accent } else { palette.weak };
-        let place_m = place_m(i);
-        let x = drawn.left() + (place_m / length_m) as f32 * drawn.width();
+        let (place_m, x) = (place_m(i), across(i));
+        // Of two places close to each other, the words stand at the outer sides.
+        let apart = if sensor > 0 { x - across(1 - i) } else { f32::INFINITY };
+        let (aligned, aside) = match apart {
+            _ if apart.abs() > WORDS => (Align2::CENTER_TOP, 0.0),
+            _ if apart > 0.0 => (Align2::LEFT_TOP, ASIDE),
+            _ => (Align2::RIGHT_TOP, -ASIDE),
+        };
         painter.vline(x, area.top() + 16.0..=area.bottom() - 16.0, Stroke::new(1.2, ink));
         painter.circle(pos2(x, drawn.center().y), 5.0, palette.panel, Stroke::new(2.0, ink));
-        painter.text(pos2(x, area.top()), Align2::CENTER_TOP, show_place(place_m), font.clone(), ink);
+        painter.text(pos2(x + aside, area.top()), aligned, show_place(place_m), font.clone(), ink);
     }
     let stood: String = (0..sensor).map(|i| format!("; it stood at {}", show_place(place_m(i)))).collect();
     let place = show_place(place_m(sensor));

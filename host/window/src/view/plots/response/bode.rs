@@ -9,6 +9,7 @@ use crate::view::theme;
 use eframe::egui::{self, Align2, FontId, Id, pos2};
 use egui_plot::{FilledArea, HLine, Line, LineStyle, PlotPoints, PlotUi};
 use slipline_model::response::Entry;
+use slipline_plate::order;
 use slipline_plate::quantity::{show_frequency, ticks};
 
 /// One of the plots.
@@ -126,7 +127,9 @@ fn each(
     values: impl Fn(&Entry) -> Vec<Option<f64>>,
 ) {
     let mut entries: Vec<(&&Entry, &egui::Color32)> = curves.shown.iter().zip(inks).collect();
-    entries.sort_by_key(|(entry, _)| curves.chosen.is_some_and(|chosen| chosen.number == entry.number));
+    order::sort_by_key(&mut entries, |(entry, _)| {
+        curves.chosen.is_some_and(|chosen| chosen.number == entry.number)
+    });
     for (entry, ink) in entries {
         let pieces = curves.pieces(&entry.bode, values(entry).into_iter());
         lines(plot, &entry.name, pieces, |line| line.color(*ink).width(curves.width(entry)));
