@@ -23,6 +23,7 @@ __all__ = [
     "CheckStretch",
     "Design",
     "DesignDamper",
+    "DesignFrame",
     "DesignHighest",
     "DesignLeadIn",
     "Drive",
@@ -398,6 +399,23 @@ class DesignDamper(Result):
     """Resistance of the damper; N s/m."""
 
 
+class DesignFrame(Result):
+    """``frame`` of a result."""
+
+    first_bending_hz: float
+    """First bending of the frame with free ends; Hz."""
+    mass_kg: float
+    """Mass of the frame, both sheets; kg."""
+    material: str
+    """Material of the frame."""
+    over_threshold_db: float | None
+    """Largest motion of the frame beyond the boundary over what a usual finger feels; None where unknown; dB."""
+    sheet_m: float
+    """Thickness of each of the frame's two sheets; m."""
+    table_mass_kg: float
+    """Mass of the table to which the frame must be screwed; 0 where it may lie free; kg."""
+
+
 class DesignHighest(Result):
     """``highest`` of a result."""
 
@@ -418,7 +436,7 @@ class DesignHighest(Result):
 class Design(Result):
     """A plate for a material and a band."""
 
-    _nested = {"check": "Check", "damper": "DesignDamper", "highest": "DesignHighest", "lowest": "DesignHighest"}
+    _nested = {"check": "Check", "damper": "DesignDamper", "frame": "DesignFrame", "highest": "DesignHighest", "lowest": "DesignHighest"}
 
     caution: str | None
     """A caution that no measurement reveals and the user must check."""
@@ -426,6 +444,7 @@ class Design(Result):
     damper: DesignDamper | None
     end_half_width_m: float
     """Half of the width at the narrow end; m."""
+    frame: DesignFrame | None
     half_width_m: float
     """Half of the width, at the driven end or at this place; m."""
     highest: DesignHighest | None

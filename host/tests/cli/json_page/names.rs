@@ -364,7 +364,7 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ("drive:state", "text", "State of the held tone"),
     (
         "stated_kg",
-        "kg",
+        "",
         "Largest mass of a sensor on a square of 4 mm at the proposed places, with its mass stated",
     ),
     ("static_travel", "1", "Static travel at full scale, over the peak travel"),
@@ -401,7 +401,7 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ("underruns", "count", "Blocks that came too late"),
     ("selftest:unit", "text", "Number of this device"),
     ("unit", "text", "Unit of `value`; empty for a pure number"),
-    ("unstated_kg", "kg", "The same without a stated mass"),
+    ("unstated_kg", "", "The same without a stated mass"),
     (
         "calibrate:unit",
         "text",
@@ -444,6 +444,7 @@ pub(super) const UNITS: &[(&str, &str)] = &[
     ("_samples", "samples"),
     ("_db", "dB"),
     ("_v", "V"),
+    ("_kg", "kg"),
     ("_hz", "Hz"),
     ("_s", "s"),
     ("_m", "m"),
