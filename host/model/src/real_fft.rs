@@ -61,7 +61,7 @@ impl RealFft {
         let half = self.count() / 2;
         let bin = |k: usize| {
             let bin = bins.get(k).copied().unwrap_or_default();
-            if k % half == 0 { Complex::from(bin.re) } else { bin }
+            if k.is_multiple_of(half) { Complex::from(bin.re) } else { bin }
         };
         let packed = |k: usize| {
             let (x, mirrored) = (bin(k), bin(half - k).conj());

@@ -458,7 +458,8 @@ proptest! {
             Ok(designed) => {
                 let read = Plate::from_toml(&designed.plate.to_toml()).expect("a valid plate file");
                 let (low, high) = read.band_hz();
-                prop_assert!((low / band_hz.0 - 1.0).abs() < 1e-6 && (high / band_hz.1 - 1.0).abs() < 1e-6);
+                let is_near = |found: f64, wanted: f64| (found / wanted - 1.0).abs() < 1e-6;
+                prop_assert!(is_near(low, band_hz.0) && is_near(high, band_hz.1), "{low} to {high} Hz, not {band_hz:?}");
                 prop_assert!(designed.damper.resistance_n_s_per_m > 0.0);
                 for drawing in [designed.plate_drawing(), designed.frame_drawing()] {
                     let extents = drawing.cut_extents_mm();

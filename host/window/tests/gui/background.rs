@@ -60,7 +60,8 @@ fn every_light_has_its_word_and_its_sentence_and_the_summary_counts_them() {
         assert_eq!(words(&app, &format!("{name}: ")), 1, "{name}");
     }
     let notes = words(&app, ": note");
-    assert!(notes >= 2 && words(&app, ": green") + notes == 17);
+    assert!(notes >= 2);
+    assert_eq!(words(&app, ": green") + notes + words(&app, ": unchecked"), 22);
     // No actuator is given: shown, but neither counted nor a warning.
     assert_eq!(words(&app, "actuator band: unchecked"), 1);
     assert_eq!(summary(&app), format!("Validity: {notes} notes"));
