@@ -232,6 +232,8 @@ const END_ROOM: f64 = 2.172;
 /// Largest angle of an edge to the centre line at the nearest boundary, radians (75 degrees): near a right angle no
 /// half-width has an arc that is long enough. The light of the edge slope is red from 27 degrees on.
 const ANGLE_MOST: f64 = 75.0 / 180.0 * std::f64::consts::PI;
+/// Largest relative change of the taper's rate after which it is taken as found: the band is then right to 1e-6.
+const SETTLED: f64 = 1e-7;
 /// Shortest span over the plate's length.
 const SPAN_LEAST: f64 = 0.1;
 /// A metal's handbook constants and its measured thickness give the wave speed to about 1 %.
@@ -351,7 +353,9 @@ fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError>
         rate = 0.5 * rate + 0.5 * rate_over(rate, far_m - near_m);
     }
     let rate_per_m = rate;
-    if turning(rate_per_m, near_k).angle >= ANGLE_MOST {
+    // Edges so steep that the rate does not settle have another band than the one asked for.
+    let is_settled = (rate_over(rate, far_m - near_m) / rate - 1.0).abs() < SETTLED;
+    if !is_settled || turning(rate_per_m, near_k).angle >= ANGLE_MOST {
         let consequence = Consequence::Converging { frequency_hz: request.band_hz.0 };
         return Err(PlateError::unfit("length_m", length, consequence));
     }
