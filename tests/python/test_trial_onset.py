@@ -20,7 +20,7 @@ from table import Table  # isort: skip
 
 BLOCK = 128
 #: From the order of the digest to its first code, and its length: the drive of a trial begins in it, silence is before.
-AHEAD, LENGTH = 100 * BLOCK, 800 * BLOCK
+AHEAD, LENGTH = 400 * BLOCK, 800 * BLOCK
 
 _ARMING = {COMMANDS[name].id for name in ("Arm", "ArmFor")}
 

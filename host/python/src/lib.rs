@@ -58,6 +58,9 @@ mod waiting;
 /// The compiled part of the package `slipline`.
 #[pyo3::pymodule]
 mod _slipline {
+    use numpy::PyArray1;
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -71,4 +74,12 @@ mod _slipline {
     use crate::plate::{Plate, presets};
     #[pymodule_export]
     use crate::study::Study;
+
+    /// Finds NumPy's functions while the package is imported: the first array would do so else, and ends in a panic where Ctrl-C
+    /// comes just then.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        PyArray1::<f64>::zeros(module.py(), 0, false);
+        Ok(())
+    }
 }
