@@ -86,7 +86,7 @@ impl Failure {
                 let rest = message.strip_prefix(option).unwrap_or_default();
                 Self::number(format!("{argument}{rest}"), argument, value, range)
             }
-            other => other,
+            other @ (Self::OutOfRange { .. } | Self::Fault { .. } | Self::Because(..)) => other,
         }
     }
 
