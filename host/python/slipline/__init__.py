@@ -12,7 +12,7 @@ same name with ``--json``; host/JSON.md has the meaning of each.
 from . import results, study, trials
 from ._objective import objective
 from ._slipline import VERSION as __version__
-from ._slipline import Device, Measurement, Plate, connect, design, ports, presets
+from ._slipline import Device, Measurement, Plate, _find_numpy, connect, design, ports, presets
 from .errors import BadFile, Error, Fault, LinkLost, OutOfRange, Refused, Unattended
 from .results import Result
 from .staircase import Staircase
@@ -40,3 +40,5 @@ __all__ = [
     "study",
     "trials",
 ]
+
+_find_numpy()

@@ -10,7 +10,7 @@ from slipline._rest import Rest
 from slipline.results import Calibration, Check, Design, Drive, Field, Merit, PortInfo, Profile, Result, Results, Selftest, Simulation, Status, Sweep, Table, Texture, Trim, Verification
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["VERSION", "Device", "Measurement", "Plate", "_Study", "connect", "design", "ports", "presets"]
+__all__ = ["VERSION", "Device", "Measurement", "Plate", "_Study", "_find_numpy", "connect", "design", "ports", "presets"]
 
 VERSION: Final[str]
 
@@ -544,6 +544,12 @@ class _Study:
         """
         The variables of the fields that vary, each with the field's path in the plate file.
         """
+
+def _find_numpy() -> None:
+    """
+    Finds NumPy's functions, as the first array would do: that ends in a panic where Ctrl-C comes just then. The package calls it
+    while it is imported; a module's own initialisation would hide from its stubs what it holds.
+    """
 
 def connect(port: str = "sim", *, actual_plate: Plate | None = None, sensor_m: SupportsFloat | SupportsIndex | None = None, unattended_s: SupportsFloat | SupportsIndex = 60.0) -> Device:
     """

@@ -58,9 +58,6 @@ mod waiting;
 /// The compiled part of the package `slipline`.
 #[pyo3::pymodule]
 mod _slipline {
-    use numpy::PyArray1;
-    use pyo3::prelude::*;
-
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -69,17 +66,19 @@ mod _slipline {
     #[pymodule_export]
     use crate::device::{Device, connect, ports};
     #[pymodule_export]
+    use crate::find_numpy;
+    #[pymodule_export]
     use crate::measurement::Measurement;
     #[pymodule_export]
     use crate::plate::{Plate, presets};
     #[pymodule_export]
     use crate::study::Study;
+}
 
-    /// Finds NumPy's functions while the package is imported: the first array would do so else, and ends in a panic where Ctrl-C
-    /// comes just then.
-    #[pymodule_init]
-    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        PyArray1::<f64>::zeros(module.py(), 0, false);
-        Ok(())
-    }
+/// Finds NumPy's functions, as the first array would do: that ends in a panic where Ctrl-C comes just then. The package calls it
+/// while it is imported; a module's own initialisation would hide from its stubs what it holds.
+#[pyo3::pyfunction]
+#[pyo3(name = "_find_numpy")]
+fn find_numpy(py: pyo3::Python<'_>) {
+    numpy::PyArray1::<f64>::zeros(py, 0, false);
 }
