@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use proptest::prelude::*;
 use slipline_link::DeviceTable;
 use slipline_link::{
     Acknowledged, Change, DriveRequest, FRAMES_KEPT, LinkError, LinkState, Outcome, Played, Port, Request,
@@ -105,6 +106,45 @@ fn a_disconnect_stops_and_disarms_first() {
     let last: Vec<&Command> = ports.commands.iter().rev().take(2).map(|(_, command)| command).collect();
     assert_eq!(last, [&Command::Disarm, &Command::Stop]);
     assert!(ports.device.is_muted());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn whatever_is_under_way_when_the_link_closes_has_an_outcome(
+        asked in prop::collection::vec((0..11usize, 0..3u64), 1..30),
+        dropped in prop::option::weighted(0.3, 1..6u32),
+    ) {
+        let table = || {
+            let knots = (0..100).map(|i| (200.0 + f64::from(i), 0.5));
+            Arc::new(DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6).unwrap())
+        };
+        let requests: [fn() -> Request; 10] = [
+            || drive(0.05),
+            || Request::Stop,
+            || Request::EmergencyStop,
+            || Request::ClearFaults,
+            || Request::Arm,
+            || Request::Disarm,
+            || Request::Refresh,
+            || Request::ReadBoard,
+            || Request::CancelUpload,
+            || Request::Store,
+        ];
+        let mut rig = LinkRig::armed();
+        rig.ports().drop_replies = dropped.unwrap_or_default();
+        let mut tickets = Vec::new();
+        for (kind, milliseconds) in asked {
+            tickets.push(rig.only_ask(requests.get(kind).map_or_else(|| Request::Upload(table()), |make| make())));
+            rig.pass_ms(milliseconds);
+        }
+        tickets.push(rig.ask(Request::Disconnect));
+        rig.pass_ms(1000);
+        for ticket in tickets {
+            prop_assert!(rig.outcome(ticket).is_some(), "{ticket:?}");
+        }
+    }
 }
 
 #[test]

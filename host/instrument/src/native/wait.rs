@@ -2,7 +2,8 @@
 
 use super::client::{BlockingLink, Client, GLANCE};
 use super::error::ClientError;
-use slipline_link::{LinkState, TriggerOutcome};
+use slipline_link::{LinkState, Snapshot, TriggerOutcome};
+use std::sync::Arc;
 use std::time::Duration;
 
 impl<W: BlockingLink> Client<W> {
@@ -12,15 +13,27 @@ impl<W: BlockingLink> Client<W> {
     /// [`ClientError::Lost`], [`ClientError::Gone`], [`ClientError::Stopped`], and those of [`Client::check_attended`].
     pub fn check_drives(&self) -> Result<(), ClientError> {
         self.check_attended()?;
+        self.check_link()?;
+        self.check_faults()
+    }
+
+    /// The state of link and device after the device has answered.
+    ///
+    /// # Errors
+    /// A request's error; [`ClientError::Lost`] and [`ClientError::Gone`] where another thread has closed the link since.
+    pub fn refreshed(&self) -> Result<Arc<Snapshot>, ClientError> {
+        self.refresh()?;
+        self.check_link()
+    }
+
+    /// The state of a link that is there.
+    fn check_link(&self) -> Result<Arc<Snapshot>, ClientError> {
         let snapshot = self.snapshot();
         match &snapshot.link.state {
-            LinkState::Lost(error) | LinkState::Reconnecting(error) => {
-                return Err(ClientError::Lost(error.clone()));
-            }
-            LinkState::Disconnected => return Err(ClientError::Gone),
-            LinkState::Connecting | LinkState::Connected => {}
+            LinkState::Lost(error) | LinkState::Reconnecting(error) => Err(ClientError::Lost(error.clone())),
+            LinkState::Disconnected => Err(ClientError::Gone),
+            LinkState::Connecting | LinkState::Connected => Ok(snapshot),
         }
-        self.check_faults()
     }
 
     /// Waits until the device is at this sample index. Returns whether it is: `false` if `goes_on` has ended the wait.

@@ -179,9 +179,6 @@ impl CommandQueue {
     }
 
     fn refused(&mut self, task: &Task, command: &Command, refusal: Refusal, recorder: &mut Recorder) -> Next {
-        if self.closing.is_some() && *command == Command::Disarm {
-            return Next::Close;
-        }
         // A client whose window has already begun requests another from now on.
         let is_late = matches!(command, Command::Listen(_))
             && matches!(refusal, Refusal::Device(refusal::Refusal::OutOfRange { field: Field::ApplyAt, .. }));
@@ -191,7 +188,12 @@ impl CommandQueue {
             recorder.finish(task.ticket, Outcome::Refused(refusal));
         }
         self.status_stale = true;
-        Next::Continue
+        self.after(command)
+    }
+
+    /// A closing is complete once the device has answered a disarm, whoever asked for it.
+    fn after(&self, command: &Command) -> Next {
+        if self.closing.is_some() && *command == Command::Disarm { Next::Close } else { Next::Continue }
     }
 
     fn accepted(
@@ -202,6 +204,7 @@ impl CommandQueue {
         recorder: &mut Recorder,
         now: Duration,
     ) -> Next {
+        let next = self.after(&command);
         match command {
             Command::Arm => recorder.acknowledge(at, Change::Armed),
             Command::ArmFor(lease) | Command::Bench(lease) => {
@@ -211,9 +214,6 @@ impl CommandQueue {
             Command::Disarm => {
                 recorder.lease.end();
                 recorder.acknowledge(at, Change::Disarmed);
-                if self.closing.is_some() {
-                    return Next::Close;
-                }
             }
             Command::Drive(drive) => self.sounds(&task, drive.into(), at, recorder),
             Command::Chord(chord) => self.sounds(&task, chord.into(), at, recorder),
@@ -274,7 +274,7 @@ impl CommandQueue {
         // A drag changes the status little; the keep-alives report it soon enough.
         let is_dragging = recorder.view.drive.status.is_some_and(|status| status.state == State::Driving);
         self.status_stale |= !(is_dragging && matches!(task.job, Job::Play(Sounding::Drive(_))));
-        Next::Continue
+        next
     }
 
     /// Reads again what the device reports of itself, as far as it knows the messages.

@@ -107,8 +107,7 @@ impl Device {
         let found = self.call(py, move |client| {
             client.disarm()?;
             client.write_profile(profile)?;
-            // The report that follows the write.
-            client.refresh()?;
+            // The report follows the write.
             profile_fields(client)
         })?;
         Answer::of(py, found)
@@ -118,7 +117,7 @@ impl Device {
 fn profile_fields(
     client: &Client<InterruptibleLink>,
 ) -> Result<serde_json::Map<String, serde_json::Value>, Failure> {
-    let report = client.snapshot().device.profile.clone();
+    let report = client.refreshed()?.device.profile.clone();
     let report = report.ok_or_else(|| Failure::refused(Compatibility::DeviceOlder.sentence()))?;
     Ok(fields(&profile_file::answer(&report)))
 }

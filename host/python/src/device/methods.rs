@@ -421,8 +421,8 @@ impl Device {
     fn status(&self, py: Python<'_>) -> PyResult<Answer<Status>> {
         let port = self.port.clone();
         let info = self.call(py, move |client| {
-            client.refresh()?;
-            Ok(fields(&DeviceInfo::of(&port, &client.snapshot())))
+            let snapshot = client.refreshed()?;
+            Ok(fields(&DeviceInfo::of(&port, &snapshot)))
         })?;
         Answer::of(py, info)
     }
