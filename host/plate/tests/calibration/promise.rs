@@ -70,13 +70,27 @@ fn the_planned_level_is_that_behind_a_drive_that_resonates() {
 mod night {
     use super::*;
 
+    /// The presets and clamped siblings, four secret plates of each.
     #[test]
     #[ignore = "many plates: .ci/run statistics"]
-    fn resonant_plates_keep_what_their_plans_promise() {
-        for (name, nominal) in resonant() {
+    fn plates_keep_what_their_plans_promise() {
+        let all = slipline_plate::presets().iter().map(|it| (it.name.to_owned(), it.plate().expect("a preset")));
+        let clamped = resonant().into_iter().filter(|(name, _)| name.starts_with("clamped"));
+        let (mut accepted, mut refused) = (Vec::new(), Vec::new());
+        for (name, nominal) in all.chain(clamped) {
             for seed in 0..4 {
-                stated_over_planned(&name, &nominal, 4000 + seed);
+                match stated_over_planned(&name, &nominal, 4000 + seed) {
+                    Some(ratios) => accepted.push(ratios),
+                    None => refused.push(format!("{name} {seed}")),
+                }
             }
         }
+        for which in [0, 1] {
+            let mut ratios: Vec<f64> = accepted.iter().map(|it| it[which]).collect();
+            ratios.sort_by(f64::total_cmp);
+            let at = |share: f64| ratios[(share * (ratios.len() - 1) as f64) as usize];
+            println!("{}: {:.2} {:.2} {:.2} {:.2} {:.2}", ["boundary", "level"][which], at(0.0), at(0.1), at(0.5), at(0.9), at(1.0));
+        }
+        println!("{} accepted, refused: {refused:?}", accepted.len());
     }
 }

@@ -104,8 +104,8 @@ impl Priors {
         let of_air = mounting_of(nominal).into_iter().flat_map(|mounting| {
             [mounting.deviation(), mounting.distant_deviation()].map(|usual| self.air.unwrap_or(usual))
         });
-        let exponent = nominal.loss_exponent_tolerance.filter(|half| *half > 0.0).map(|half| half / INTERVAL);
-        self.deviations(nominal).into_iter().chain(of_air.take(of_air_count(nominal))).chain(exponent).collect()
+        let of_air = of_air.take(of_air_count(nominal));
+        self.deviations(nominal).into_iter().chain(of_air).chain(exponent_known(nominal)).collect()
     }
 }
 
@@ -134,12 +134,17 @@ pub(crate) fn of_plate(nominal: &PlateSpec) -> usize {
 
 /// The coordinate of the exponent of the loss; `None` where the file holds it.
 pub(crate) fn exponent_at(nominal: &PlateSpec) -> Option<usize> {
-    nominal.loss_exponent_tolerance.filter(|half| *half > 0.0).map(|_| OF_PLATE + of_air_count(nominal))
+    exponent_known(nominal).map(|_| OF_PLATE + of_air_count(nominal))
+}
+
+/// Its standard deviation by the file.
+fn exponent_known(nominal: &PlateSpec) -> Option<f64> {
+    nominal.loss_exponent_tolerance.filter(|half| *half > 0.0).map(|half| half / INTERVAL)
 }
 
 /// The ways over which derivatives by the coordinates of this plate are taken.
 pub(crate) fn steps(nominal: &PlateSpec) -> Vec<f64> {
-    let exponent = exponent_at(nominal).map(|_| EXPONENT_STEP);
+    let exponent = exponent_known(nominal).map(|_| EXPONENT_STEP);
     STEPS.into_iter().take(OF_PLATE + of_air_count(nominal)).chain(exponent).collect()
 }
 
