@@ -59,16 +59,19 @@ fn every_law_has_at_a_frequency_the_loss_of_that_frequency() {
         let power = lossy(&plate, eta, Some(1.3));
         let frequencies_hz = [1.02 * low_hz, middle_hz, 0.98 * high_hz];
         let together = respond_batch(&power, &frequencies_hz, 129, Equation::Corrected).expect("in band");
-        for (&hz, together) in frequencies_hz.iter().zip(&together) {
+        for (i, &hz) in frequencies_hz.iter().enumerate() {
             let here = eta * (hz / middle_hz).powf(1.3);
             assert!((power.loss_factor_at(hz) / here - 1.0).abs() < 1e-12, "{kind} {hz}");
             let alone = lossy(&plate, here, None);
+            let alone_together =
+                respond_batch(&alone, &frequencies_hz, 129, Equation::Corrected).expect("in band");
             let wanted = respond(&alone, hz, 129, Equation::Corrected).expect("in band").amplitude;
             let found = respond(&power, hz, 129, Equation::Corrected).expect("in band").amplitude;
             let largest = wanted.iter().map(|f| f.norm()).fold(0.0, f64::max);
-            for ((wanted, found), together) in wanted.iter().zip(&found).zip(together) {
+            for (wanted, found) in
+                wanted.iter().zip(&found).chain(alone_together[i].iter().zip(&together[i]))
+            {
                 assert!((wanted - found).norm() < 1e-9 * largest, "{kind} {hz}: {found} {wanted}");
-                assert!((wanted - together).norm() < 1e-5 * largest, "{kind} {hz}: {together} {wanted}");
             }
         }
         // Another exponent is another field.
@@ -179,5 +182,5 @@ fn a_file_without_the_field_is_calibrated_without_the_unknown() {
     assert_eq!(sure.parameters, held.parameters);
     let (open, ..) = outcome("membrane", 0.0, Some(2.0), 8310);
     assert_eq!(open.parameters.len(), held.parameters.len() + 1);
-    assert!(open.level_tolerance_db >= held.level_tolerance_db * 0.999);
+    assert!(open.boundary_tolerance_m > held.boundary_tolerance_m);
 }

@@ -91,7 +91,7 @@ impl Anywhere {
         let mut random = Random::new(5000 + seed);
         let name = MEMBRANES[seed as usize % MEMBRANES.len()];
         let rig = Rig::new(name, solver, &mut random);
-        let place_m = random.factor(0.01, 0.6 * rig.nominal.length_m());
+        let place_m = random.factor(0.012, 0.5 * rig.nominal.length_m());
         let [mut sensor] = rig.measure([place_m], 100, &mut random);
         let off_m = sensor.place_tolerance_m * random.normal();
         sensor.place_m += off_m;
@@ -108,13 +108,14 @@ impl Anywhere {
         let at = format!("{name} at {:.1} mm, mark {:+.2} mm", 1e3 * place_m, 1e3 * off_m);
         match &self.found {
             Ok(found) => format!(
-                "{at}: boundary {:.2} (stated {:.2}, {:.2}) mm, level {:.2} (stated {:.2}) dB, chi2/n {:.2}",
+                "{at}: boundary {:.2} (stated {:.2}, {:.2}) mm, level {:.2} (stated {:.2}) dB, chi2/n {:.2}{}",
                 1e3 * self.boundary_m,
                 1e3 * found.boundary_tolerance_m,
                 self.boundary_m / found.boundary_tolerance_m,
                 self.level_db,
                 found.level_tolerance_db,
-                found.chi2_per_n
+                found.chi2_per_n,
+                if found.parameters.iter().any(|it| it.value == 0.0) { " ZERO" } else { "" }
             ),
             Err(error) => format!("{at}: {error}"),
         }
