@@ -105,6 +105,7 @@ impl AcceptedFit<'_> {
         let Self { nominal, fit, sensors, .. } = self;
         let of_plate = of_plate(nominal.spec());
         acceptance::check_coordinates(&fit.parameters, self.deviations, of_plate, sensors)?;
+        acceptance::check_air(nominal.spec(), &fit.parameters)?;
         // Without the record of the calibration.
         let spec = spec_at(nominal.spec(), &fit.parameters);
         let fitted = match &self.source {
