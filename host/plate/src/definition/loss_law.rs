@@ -6,9 +6,10 @@
 //! p is 0 of a loss that does not depend on the rate, as of most metals and of many a rubber over an octave, and 1 of a viscous one
 //! (Kelvin and Voigt).
 
+use super::error::PlateError;
 use super::limits;
 use super::model::Model;
-use super::plate::Plate;
+use super::plate::{Plate, PlateSpec};
 
 /// eta of the stiffness, in K^2, at every frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +32,25 @@ impl LossLaw {
     pub(crate) fn at(&self, frequency_hz: f64) -> f64 {
         let Some(Course { exponent, middle_hz, most }) = self.course else { return self.middle };
         (self.middle * (frequency_hz / middle_hz).powf(exponent)).min(most)
+    }
+}
+
+impl PlateSpec {
+    /// Refuses a course of the loss that no law here has.
+    pub(super) fn check_loss_exponent(&self) -> Result<(), PlateError> {
+        let stated = [
+            ("loss_exponent", self.loss_exponent, limits::LOSS_EXPONENT),
+            ("loss_exponent_tolerance", self.loss_exponent_tolerance, limits::LOSS_EXPONENT_TOLERANCE),
+        ];
+        for (field, value, range) in stated {
+            let Some(value) = value else { continue };
+            range.check(field, value)?;
+            if matches!(self.model, Model::BendingClamped(_)) {
+                let reason = "the law between clamped edges has one loss for all frequencies";
+                return Err(PlateError::unexpected(field, reason));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -174,7 +174,7 @@ impl Plate {
         if let Some(tolerance) = spec.loss_tolerance {
             limits::LOSS_TOLERANCE.check("loss_tolerance", tolerance)?;
         }
-        check_loss_exponent(&spec)?;
+        spec.check_loss_exponent()?;
         spec.drive_end.validate(&spec.model)?;
         if let Some(actuator) = &spec.actuator {
             actuator.validate()?;
@@ -457,23 +457,6 @@ fn edges(outline: &WidthLaw, spec: &PlateSpec) -> Result<WidthLaw, PlateError> {
     }
     let clamped = matches!(spec.model, Model::BendingClamped(_));
     Ok(scaled(outline.giving(spec.length_m, give_m, clamped)))
-}
-
-/// Refuses a course of the loss that no law here has.
-fn check_loss_exponent(spec: &PlateSpec) -> Result<(), PlateError> {
-    let stated = [
-        ("loss_exponent", spec.loss_exponent, limits::LOSS_EXPONENT),
-        ("loss_exponent_tolerance", spec.loss_exponent_tolerance, limits::LOSS_EXPONENT_TOLERANCE),
-    ];
-    for (field, value, range) in stated {
-        let Some(value) = value else { continue };
-        range.check(field, value)?;
-        if matches!(spec.model, Model::BendingClamped(_)) {
-            let reason = "the law between clamped edges has one loss for all frequencies";
-            return Err(PlateError::unexpected(field, reason));
-        }
-    }
-    Ok(())
 }
 
 /// The half-width of one tension over that of two, 1/sqrt(Tz/Tx); `None` of one tension.
