@@ -68,22 +68,24 @@ fn every_law_has_at_a_frequency_the_loss_of_that_frequency() {
             let wanted = respond(&alone, hz, 129, Equation::Corrected).expect("in band").amplitude;
             let found = respond(&power, hz, 129, Equation::Corrected).expect("in band").amplitude;
             let largest = wanted.iter().map(|f| f.norm()).fold(0.0, f64::max);
-            for (wanted, found) in
-                wanted.iter().zip(&found).chain(alone_together[i].iter().zip(&together[i]))
+            for (wanted, found) in wanted.iter().zip(&found).chain(alone_together[i].iter().zip(&together[i]))
             {
                 assert!((wanted - found).norm() < 1e-9 * largest, "{kind} {hz}: {found} {wanted}");
             }
         }
         // Another exponent is another field.
         let flat = respond(&lossy(&plate, eta, None), frequencies_hz[0], 129, Equation::Corrected);
-        let off = flat.expect("in band").height() / respond(&power, frequencies_hz[0], 129, Equation::Corrected).expect("in band").height();
+        let off = flat.expect("in band").height()
+            / respond(&power, frequencies_hz[0], 129, Equation::Corrected).expect("in band").height();
         assert!((off - 1.0).abs() > 1e-4, "{kind}: {off}");
     }
 }
 
 #[test]
 fn the_sheet_in_two_dimensions_has_it_too() {
-    for (kind, plate) in plates().into_iter().filter(|(kind, _)| ["membrane", "in a baffle", "bending"].contains(kind)) {
+    for (kind, plate) in
+        plates().into_iter().filter(|(kind, _)| ["membrane", "in a baffle", "bending"].contains(kind))
+    {
         let (low_hz, high_hz) = plate.band_hz();
         let (hz, middle_hz) = (1.05 * low_hz, (low_hz * high_hz).sqrt());
         let eta = plate.spec().loss_factor.max(1e-3);
@@ -116,9 +118,8 @@ fn a_course_of_the_loss_is_read_written_and_refused_by_name() {
     let text = plate.to_toml();
     assert!(text.contains("loss_exponent = 0.3"), "{text}");
     assert_eq!(Plate::from_toml(&text).expect("its own text"), plate);
-    let refused = |from: &str, to: &str| {
-        Plate::from_toml(&text.replace(from, to)).expect_err("refused").to_string()
-    };
+    let refused =
+        |from: &str, to: &str| Plate::from_toml(&text.replace(from, to)).expect_err("refused").to_string();
     let error = refused("loss_exponent = 0.3", "loss_exponent = 2.5");
     assert!(error.contains("loss_exponent = 2.5: must be -2 to 2"), "{error}");
     let error = refused("loss_exponent_tolerance = 0.5", "loss_exponent_tolerance = -1");
@@ -161,7 +162,9 @@ fn outcome(name: &str, exponent: f64, known: Option<f64>, seed: u64) -> (Calibra
 
 #[test]
 fn a_calibration_finds_the_exponent_or_leaves_it_in_its_intervals() {
-    for (number, (name, exponent)) in (8300..).zip([("membrane", 1.0), ("membrane", -0.5), ("al-bending", 1.0)]) {
+    for (number, (name, exponent)) in
+        (8300..).zip([("membrane", 1.0), ("membrane", -0.5), ("al-bending", 1.0)])
+    {
         let (found, boundary_m, level_db) = outcome(name, exponent, Some(2.0), number);
         assert!(within(&found, "loss_exponent", exponent), "{name}: {:?}", found.parameters);
         assert!(boundary_m < 1.2 * found.boundary_tolerance_m, "{name}: {boundary_m}");

@@ -94,9 +94,9 @@ impl AddedMass {
         let table = fluid.gap_m.map(|gap_m| (gap_m, panels.iter().map(Panel::places).collect::<Vec<_>>()));
         let matrix = DMatrix::from_fn(panels.len(), panels.len(), |row, column| {
             let (panel, point) = (&panels[column], panels[row].centre);
-            let below = table.as_ref().map_or(Complex64::ZERO, |(gap_m, places)| {
-                panel.below(&places[column], point, k, *gap_m)
-            });
+            let below = table
+                .as_ref()
+                .map_or(Complex64::ZERO, |(gap_m, places)| panel.below(&places[column], point, k, *gap_m));
             panel.influence(fluid.kernel, point, k) + below
         });
         let operator = match fluid.kernel {

@@ -108,14 +108,13 @@ impl Anywhere {
         let at = format!("{name} at {:.1} mm, mark {:+.2} mm", 1e3 * place_m, 1e3 * off_m);
         match &self.found {
             Ok(found) => format!(
-                "{at}: boundary {:.2} (stated {:.2}, {:.2}) mm, level {:.2} (stated {:.2}) dB, chi2/n {:.2}{}",
+                "{at}: boundary {:.2} (stated {:.2}, {:.2}) mm, level {:.2} (stated {:.2}) dB, chi2/n {:.2}",
                 1e3 * self.boundary_m,
                 1e3 * found.boundary_tolerance_m,
                 self.boundary_m / found.boundary_tolerance_m,
                 self.level_db,
                 found.level_tolerance_db,
-                found.chi2_per_n,
-                if found.parameters.iter().any(|it| it.value == 0.0) { " ZERO" } else { "" }
+                found.chi2_per_n
             ),
             Err(error) => format!("{at}: {error}"),
         }
@@ -125,13 +124,29 @@ impl Anywhere {
 #[test]
 #[ignore = "many plates: .ci/run statistics"]
 fn one_sensor_anywhere_on_a_membrane_is_within_its_interval_or_refused() {
-    for solver in [Solver::OneMode, Solver::TwoDimensions] {
-        let number = if solver == Solver::OneMode { 40 } else { 8 };
-        println!("{solver:?}");
-        for seed in 0..number {
-            Anywhere::of(seed, solver);
-        }
-    }
+    anywhere(0..40, Solver::OneMode);
+}
+
+#[test]
+#[ignore = "many plates in two dimensions: .ci/run statistics"]
+fn one_sensor_anywhere_on_a_membrane_in_two_dimensions_is_within_its_interval_or_refused() {
+    // The one in air takes a minute.
+    anywhere((0..20).filter(|seed| seed % 4 != 1), Solver::TwoDimensions);
+}
+
+#[test]
+#[ignore = "many plates in two dimensions: .ci/run statistics"]
+fn one_sensor_anywhere_on_a_membrane_that_a_bar_moves_is_within_its_interval_or_refused() {
+    anywhere((0..20).filter(|seed| seed % 4 != 1), Solver::Bar);
+}
+
+fn anywhere(seeds: impl Iterator<Item = u64>, solver: Solver) {
+    let all: Vec<Anywhere> = seeds.map(|seed| Anywhere::of(seed, solver)).collect();
+    let accepted = all.iter().filter_map(|it| Some((it.boundary_m, it.found.as_ref().ok()?)));
+    let shares: Vec<f64> = accepted.map(|(off_m, found)| off_m / found.boundary_tolerance_m).collect();
+    let within = shares.iter().filter(|share| **share <= 1.0).count();
+    println!("{solver:?}: {} of {} accepted, {within} within", shares.len(), all.len());
+    assert!(10 * shares.len() >= 9 * all.len() && 20 * within >= 19 * shares.len(), "{shares:.2?}");
 }
 
 #[test]

@@ -70,27 +70,39 @@ fn the_planned_level_is_that_behind_a_drive_that_resonates() {
 mod night {
     use super::*;
 
-    /// The presets and clamped siblings, four secret plates of each.
+    /// Stated over planned interval of the boundary and of the level that are allowed.
+    const BOUNDARY: (f64, f64) = (0.8, 2.2);
+    const LEVEL: (f64, f64) = (0.2, 1.8);
+
+    /// The presets and clamped siblings, four secret plates of each: what is planned is reached within a factor of about two, and
+    /// refused is no plate of whose plan nothing is said.
     #[test]
     #[ignore = "many plates: .ci/run statistics"]
     fn plates_keep_what_their_plans_promise() {
-        let all = slipline_plate::presets().iter().map(|it| (it.name.to_owned(), it.plate().expect("a preset")));
+        let all =
+            slipline_plate::presets().iter().map(|it| (it.name.to_owned(), it.plate().expect("a preset")));
         let clamped = resonant().into_iter().filter(|(name, _)| name.starts_with("clamped"));
-        let (mut accepted, mut refused) = (Vec::new(), Vec::new());
+        let (mut accepted, mut off) = (0, Vec::new());
         for (name, nominal) in all.chain(clamped) {
+            let placing = Placing { points: levels::count(&nominal), ..Placing::default() };
+            let Ok(plan) = SensorPlaces::of(&nominal, &placing) else { continue };
+            let caution = plan.caution();
             for seed in 0..4 {
                 match stated_over_planned(&name, &nominal, 4000 + seed) {
-                    Some(ratios) => accepted.push(ratios),
-                    None => refused.push(format!("{name} {seed}")),
+                    Some([boundary, level]) => {
+                        accepted += 1;
+                        let holds = (BOUNDARY.0..BOUNDARY.1).contains(&boundary)
+                            && (LEVEL.0..LEVEL.1).contains(&level);
+                        if !holds {
+                            off.push(format!("{name} {seed}: {boundary:.2} {level:.2}"));
+                        }
+                    }
+                    None if caution.is_some() => println!("{name} {seed} is refused, as its plan says"),
+                    None => off.push(format!("{name} {seed} is refused")),
                 }
             }
         }
-        for which in [0, 1] {
-            let mut ratios: Vec<f64> = accepted.iter().map(|it| it[which]).collect();
-            ratios.sort_by(f64::total_cmp);
-            let at = |share: f64| ratios[(share * (ratios.len() - 1) as f64) as usize];
-            println!("{}: {:.2} {:.2} {:.2} {:.2} {:.2}", ["boundary", "level"][which], at(0.0), at(0.1), at(0.5), at(0.9), at(1.0));
-        }
-        println!("{} accepted, refused: {refused:?}", accepted.len());
+        println!("{accepted} accepted, off: {off:?}");
+        assert!(off.is_empty() && accepted >= 40, "{accepted} accepted, off: {off:?}");
     }
 }

@@ -96,7 +96,9 @@ pub(crate) fn check_coordinates(
 pub(crate) fn check_air(nominal: &PlateSpec, coordinates: &[f64]) -> Result<(), CalibrateError> {
     match nominal.air {
         Some(Air::Around {
-            mounting: mounting @ (AirMounting::BareFrame | AirMounting::Unknown), gap_m: None, ..
+            mounting: mounting @ (AirMounting::BareFrame | AirMounting::Unknown),
+            gap_m: None,
+            ..
         }) if coordinates[AIR] > MORE_AIR_MAX * mounting.deviation() => {
             Err(CalibrateError::MoreAir { share: coordinates[AIR].exp() })
         }
