@@ -119,7 +119,6 @@ impl<'a, S: SourceModel> Joint<'a, S> {
     fn fit(&mut self) -> Option<(Fit, Vec<Fit>)> {
         let (best, bottoms) = self.lowest(None)?;
         let mut fit = self.refined(&best)?;
-        let open = self.deviations.clone();
         // A resistance, mass or spring below zero is none.
         for _ in 0..OF_IMPEDANCE {
             let first = self.of_source();
@@ -133,11 +132,6 @@ impl<'a, S: SourceModel> Joint<'a, S> {
             self.deviations[lowest] = HELD;
             fit.parameters[lowest] = 0.0;
             fit = self.refined(&fit)?;
-        }
-        // That it is none is not known: a plate with some of it fits nearly as well.
-        if self.deviations != open {
-            self.deviations = open;
-            fit.covariance = self.covariance_at(&fit.parameters)?;
         }
         Some((fit, bottoms))
     }

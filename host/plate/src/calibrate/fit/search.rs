@@ -7,7 +7,6 @@ use super::response::wave::{COARSE, FINE};
 use super::unknowns::{OF_PLATE, of_plate, steps, with_speed};
 use crate::definition::PlateSpec;
 use crate::order;
-use nalgebra::DMatrix;
 
 /// Model error during the scan: it widens the valleys, so that fewer places must be tried, and beside a node little is to be
 /// learnt as long as the plate is wrong.
@@ -96,13 +95,6 @@ pub(crate) trait Searched: Sized {
         let (model_error, _) = *Self::ERRORS.last()?;
         let problem = OnGrid { searched: self, radians: FINE, model_error };
         least_squares::fit(&problem, &from.parameters, STILL.1, least_squares::STEPS_MAX)
-    }
-
-    /// The covariance of the coordinates at a bottom.
-    fn covariance_at(&self, bottom: &[f64]) -> Option<DMatrix<f64>> {
-        let (model_error, _) = *Self::ERRORS.last()?;
-        let problem = OnGrid { searched: self, radians: FINE, model_error };
-        least_squares::fit(&problem, bottom, STILL.1, 0).map(|fit| fit.covariance)
     }
 
     fn is_below(&self, fit: &Fit, chi2_per_n: f64) -> bool {
