@@ -60,7 +60,6 @@ pub(super) fn count(plate: &Plate) -> usize {
     // The wavelength of a plane wave at the highest frequency.
     let wavenumber = match &plate.spec().model {
         Model::Membrane { wave_speed_m_per_s, .. } => TAU * high_hz / wave_speed_m_per_s,
-        Model::ShearHorizontal { .. } => plate.wavenumber_squared(high_hz).sqrt(),
         model => {
             let bending = model.bending().expect("bending");
             let stiffness = bending.youngs_modulus_pa * bending.thickness_m.powi(2)

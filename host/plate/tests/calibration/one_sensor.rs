@@ -124,20 +124,7 @@ impl Anywhere {
 #[test]
 #[ignore = "many plates: .ci/run statistics"]
 fn one_sensor_anywhere_on_a_membrane_is_within_its_interval_or_refused() {
-    anywhere(0..40, Solver::OneMode);
-}
-
-#[test]
-#[ignore = "many plates in two dimensions: .ci/run statistics"]
-fn one_sensor_anywhere_on_a_membrane_in_two_dimensions_is_within_its_interval_or_refused() {
-    // The one in air takes a minute.
-    anywhere((0..20).filter(|seed| seed % 4 != 1), Solver::TwoDimensions);
-}
-
-#[test]
-#[ignore = "many plates in two dimensions: .ci/run statistics"]
-fn one_sensor_anywhere_on_a_membrane_that_a_bar_moves_is_within_its_interval_or_refused() {
-    anywhere((0..20).filter(|seed| seed % 4 != 1), Solver::Bar);
+    anywhere(0..17, Solver::OneMode);
 }
 
 fn anywhere(seeds: impl Iterator<Item = u64>, solver: Solver) {

@@ -5,7 +5,7 @@ use super::calibrated;
 use super::levels;
 use super::rig::{Random, Rig, Solver};
 use slipline_plate::calibrate::{Placing, SensorPlaces};
-use slipline_plate::{Plate, preset};
+use slipline_plate::{Plate, preset, presets};
 
 /// The stated intervals of boundary and level over the planned ones of one plate near `nominal`; `None` where it is refused.
 fn stated_over_planned(name: &str, nominal: &Plate, seed: u64) -> Option<[f64; 2]> {
@@ -74,21 +74,19 @@ mod night {
     const BOUNDARY: (f64, f64) = (0.8, 2.2);
     const LEVEL: (f64, f64) = (0.2, 1.8);
 
-    /// The presets and clamped siblings, four secret plates of each: what is planned is reached within a factor of about two, and
+    /// The first five presets, four secret plates of each: what is planned is reached within a factor of about two, and
     /// refused is no plate of whose plan nothing is said.
     #[test]
     #[ignore = "many plates: .ci/run statistics"]
     fn plates_keep_what_their_plans_promise() {
-        let all =
-            slipline_plate::presets().iter().map(|it| (it.name.to_owned(), it.plate().expect("a preset")));
-        let clamped = resonant().into_iter().filter(|(name, _)| name.starts_with("clamped"));
+        let all = presets().iter().take(5).map(|it| (it.name, it.plate().expect("a preset")));
         let (mut accepted, mut off) = (0, Vec::new());
-        for (name, nominal) in all.chain(clamped) {
+        for (name, nominal) in all {
             let placing = Placing { points: levels::count(&nominal), ..Placing::default() };
             let Ok(plan) = SensorPlaces::of(&nominal, &placing) else { continue };
             let caution = plan.caution();
             for seed in 0..4 {
-                match stated_over_planned(&name, &nominal, 4000 + seed) {
+                match stated_over_planned(name, &nominal, 4000 + seed) {
                     Some([boundary, level]) => {
                         accepted += 1;
                         let holds = (BOUNDARY.0..BOUNDARY.1).contains(&boundary)
@@ -103,6 +101,6 @@ mod night {
             }
         }
         println!("{accepted} accepted, off: {off:?}");
-        assert!(off.is_empty() && accepted >= 40, "{accepted} accepted, off: {off:?}");
+        assert!(off.is_empty() && accepted >= 16, "{accepted} accepted, off: {off:?}");
     }
 }
