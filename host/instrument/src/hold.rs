@@ -158,7 +158,7 @@ impl HoldPlan {
         }
         let blocks =
             (of_period_s.max(of_distance_s) * rate_hz / BLOCK as f64).ceil().min(f64::from(u16::MAX)) as u16;
-        let time_constant_s = 2.0 / (plate.spec().loss_factor.max(1e-4) * TAU * lowest_hz);
+        let time_constant_s = 2.0 / (plate.loss_factor_at(lowest_hz).max(1e-4) * TAU * lowest_hz);
         Ok(Self {
             slots: tones
                 .iter()

@@ -62,6 +62,11 @@ impl HarmonicWave {
         stated.map(solve).collect()
     }
 
+    /// The same wave where tone and harmonic are this factor as high.
+    pub(crate) fn times(&self, factor: f64) -> Self {
+        Self { wave: self.wave.iter().map(|f| f * factor).collect(), ..self.clone() }
+    }
+
     /// Mean square displacement at each place, metres squared.
     #[must_use]
     pub fn squares(&self) -> Vec<f64> {

@@ -22,6 +22,7 @@ mod film;
 mod finger;
 mod harmonics;
 mod lights_truth;
+mod loss_exponent;
 mod merit;
 mod ode;
 mod on_a_table;

@@ -46,6 +46,7 @@ impl Remedy {
             | CalibrateError::Unlike { .. }
             | CalibrateError::NoAir { .. }
             | CalibrateError::OtherAir { .. }
+            | CalibrateError::MoreAir { .. }
             | CalibrateError::EdgesUnlike { .. }
             | CalibrateError::AnotherPlate { .. }
             | CalibrateError::EdgesGive { .. }

@@ -247,7 +247,8 @@ fn crowded(wanted: &Wanted) -> MeasureError {
 /// Time constant of the decay exp(-t/tau) of a plate's response to tones at this frequency and above,
 /// seconds. Below its cut-off a plate has no waves that ring: the cut-off itself rings then.
 pub(super) fn time_constant_s(plate: &Plate, lowest_hz: f64) -> f64 {
-    2.0 / (plate.spec().loss_factor.max(1e-4) * TAU * lowest_hz.max(plate.cut_off_hz()))
+    let lowest_hz = lowest_hz.max(plate.cut_off_hz());
+    2.0 / (plate.loss_factor_at(lowest_hz).max(1e-4) * TAU * lowest_hz)
 }
 
 /// Settling time of a plate's response to tones at this frequency and above, seconds.

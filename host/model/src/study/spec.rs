@@ -202,6 +202,9 @@ impl Draft {
             // A file that leaves it out means edges that do not give.
             spec.edge_give_m.get_or_insert(0.0);
         }
+        if vary.contains_key("loss_exponent") {
+            spec.loss_exponent.get_or_insert(0.0);
+        }
         let plate_text = Plate::new(spec)?.to_toml();
         let numbers = PlateFile::parse(&plate_text)?.0.numbers();
         let varied = vary.into_iter().map(|(path, law)| varied(path, law, &numbers));

@@ -102,6 +102,12 @@ pub enum CalibrateError {
         /// How far the air that fits moves the peaks of the span, the most, metres.
         shift_m: f64,
     },
+    /// The air carries more than a frame in the open has, as above a table that the file does not state.
+    #[error("the air adds {} times the mass that it has about this mounting: if a table is near below, state its distance as gap_m in [air], or leave 50 mm free", significant(*.share, 2))]
+    MoreAir {
+        /// The air's mass over that of the mounting.
+        share: f64,
+    },
     /// The plate fits in other air than the file's much better.
     #[error("what the sensors show does not fit this plate in the air of its file (chi^2 is {} per answer), but much better {}", significant(*.chi2_per_n, 2), fitting_air(*.faces))]
     OtherAir {

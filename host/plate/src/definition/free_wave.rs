@@ -149,7 +149,7 @@ impl Plate {
 
     /// eta of the stiffness that has the loss of [`Plate::wave_loss_at`] where the air is a mass that does not depend on K.
     pub(crate) fn sheet_loss_at(&self, frequency_hz: f64) -> f64 {
-        self.wave_loss() * self.dilution(frequency_hz)
+        self.stiffness_loss_at(frequency_hz) * self.dilution(frequency_hz)
     }
 
     /// The frequency at which the plate in vacuum has the wavenumber that it has in its air at `frequency_hz`, Hz. What is
@@ -168,9 +168,9 @@ impl Plate {
         Complex64::new(1.0, self.wave_loss_at(frequency_hz))
     }
 
-    /// 1 + j eta of the plate's own stiffness; without loss it is 1.
-    pub(crate) fn lossy_compliance(&self) -> Complex64 {
-        Complex64::new(1.0, self.wave_loss())
+    /// 1 + j eta of the plate's own stiffness at a frequency; without loss it is 1.
+    pub(crate) fn lossy_compliance(&self, frequency_hz: f64) -> Complex64 {
+        Complex64::new(1.0, self.stiffness_loss_at(frequency_hz))
     }
 
     /// By how much a change of the stiffness changes K at `frequency_hz`, over the same in vacuum.

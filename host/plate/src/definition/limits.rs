@@ -10,6 +10,9 @@ pub const LOSS_FACTOR: Range = Range::new(0.0, 0.5, "");
 pub(crate) const WAVE_SPEED_TOLERANCE: Range = Range::new(0.0, 0.05, "");
 /// Relative uncertainty of the loss factor, which may be wrong by a factor of 1 to 5.
 pub(crate) const LOSS_TOLERANCE: Range = Range::new(0.0, 4.0, "");
+/// Exponent of the loss factor over the frequency, and half of its interval.
+pub(crate) const LOSS_EXPONENT: Range = Range::new(-2.0, 2.0, "");
+pub(crate) const LOSS_EXPONENT_TOLERANCE: Range = Range::new(0.0, 2.0, "");
 /// How far the wavenumber of a film may be off before the farthest boundary, %.
 pub const FILM_PERCENT: f64 = 2.0;
 /// Displacement of the drive at DAC full scale.

@@ -20,6 +20,7 @@ mod harmonic_of_codes;
 pub(crate) mod harmonics;
 pub(crate) mod impedance;
 pub mod limits;
+pub(crate) mod loss_law;
 pub(crate) mod model;
 pub(crate) mod plate;
 pub(crate) mod presets;

@@ -58,6 +58,11 @@ pub struct PlateSpec {
     pub frame: Option<Frame>,
     /// Loss factor of the material's modulus or of the tension (0 to 0.5); see [`Plate::wave_loss`].
     pub loss_factor: f64,
+    /// Exponent p of its course over the frequency (-2 to 2): `loss_factor` is that of the geometric middle of the band, and at f it
+    /// is (f over that)^p times as large, at most 0.5. `None` as 0. Not of a plate between clamped edges, whose law has one loss.
+    pub loss_exponent: Option<f64>,
+    /// Half of the 95 % interval of that exponent (0 to 2). `None` as 0: a calibration holds it.
+    pub loss_exponent_tolerance: Option<f64>,
     /// Relative uncertainty of the wave speed (0 to 0.05). The drive table is levelled for all wave speeds within
     /// this tolerance, not only for the nominal one. Useful with a matched drive end, whose ripple is small.
     pub wave_speed_tolerance: f64,
@@ -169,6 +174,7 @@ impl Plate {
         if let Some(tolerance) = spec.loss_tolerance {
             limits::LOSS_TOLERANCE.check("loss_tolerance", tolerance)?;
         }
+        spec.check_loss_exponent()?;
         spec.drive_end.validate(&spec.model)?;
         if let Some(actuator) = &spec.actuator {
             actuator.validate()?;
@@ -356,13 +362,10 @@ impl Plate {
         0.5 * self.bend_weight * self.width.at(x).bend()
     }
 
-    /// eta of the amplitude equation, K^2 -> K^2 (1 + j eta). For membranes and SH waves it is the loss factor. In
-    /// bending it is half of that, because K^2 is proportional to 1/sqrt(E).
+    /// eta of the amplitude equation, K^2 -> K^2 (1 + j eta), in the middle of the band. For membranes and SH waves it is the loss
+    /// factor. In bending it is half of that, because K^2 is proportional to 1/sqrt(E).
     pub fn wave_loss(&self) -> f64 {
-        match self.spec.model {
-            Model::BendingSupported(_) | Model::BendingClamped(_) => 0.5 * self.spec.loss_factor,
-            Model::Membrane { .. } | Model::ShearHorizontal { .. } => self.spec.loss_factor,
-        }
+        self.share_of_loss() * self.spec.loss_factor
     }
 
     /// Turning points at the start and at the end of the span, metres.

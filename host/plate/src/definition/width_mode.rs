@@ -87,7 +87,7 @@ impl WidthMode<'_> {
         let across = self.width_term(x);
         if let Some(air) = self.air(frequency_hz) {
             let InAir { wavenumber_squared, loss_share, .. } = air.at(across);
-            let loss = self.plate.wave_loss() * loss_share;
+            let loss = self.plate.stiffness_loss_at(frequency_hz) * loss_share;
             return wavenumber_squared * Complex64::new(1.0, loss) - across;
         }
         self.axial_squared(frequency_hz) * self.local(x) * self.plate.lossy(frequency_hz) - across

@@ -22,6 +22,7 @@
 
 use crate::definition::air::Air;
 use crate::definition::air_along::AirAlong;
+use crate::definition::loss_law::LossLaw;
 use crate::definition::model::Model;
 use crate::definition::plate::Plate;
 use num_complex::Complex64;
@@ -90,7 +91,7 @@ pub(crate) struct FarAir {
     places: usize,
     /// sigma/T, and eta.
     slowness_squared: f64,
-    loss: f64,
+    loss: LossLaw,
     /// D/T of a film, m^2; 0 of an ideal membrane.
     film_square: f64,
 }
@@ -138,7 +139,7 @@ impl FarAir {
             }
         }
         let slowness_squared = (speed * speed).recip();
-        let (places, loss) = (wide.len(), plate.wave_loss());
+        let (places, loss) = (wide.len(), plate.loss_law());
         let film_square = spec.model.film_square().unwrap_or(0.0);
         Some(Self { share, step_m, stride, kernel, places, slowness_squared, loss, film_square })
     }
@@ -188,7 +189,8 @@ impl FarAir {
         let last = v.len() - 1;
         let bent = |squared: f64| 1.0 + self.film_square * squared;
         let stiffer = bent(air.turning) / air.stiffness;
-        let lossy = Complex64::new(1.0, self.loss * air.stiffness) / stiffer;
+        let loss = self.loss.at(*frequency_hz);
+        let lossy = Complex64::new(1.0, loss * air.stiffness) / stiffer;
         let push = |i: usize| {
             let (index, share) = (i / self.stride, (i % self.stride) as f64 / self.stride as f64);
             let next = pressures[(index + 1).min(self.places - 1)];
@@ -198,7 +200,7 @@ impl FarAir {
             let mass = squared * bent(squared) - omega_squared * self.slowness_squared;
             let of_air = (far * (omega_squared * scale[i]) - v[i] * mass) * lossy;
             // What the law has of the air's power and of its loss, the integral has itself.
-            let lost = squared * self.loss * (air.stiffness - here.loss_share);
+            let lost = squared * loss * (air.stiffness - here.loss_share);
             // Omega is even about the driven end.
             let (before, after) = (i.abs_diff(1).min(last), (i + 1).min(last));
             let [y_before, y, y_after] = [before, i, after].map(|i| omegas[i].sqrt());

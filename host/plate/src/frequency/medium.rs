@@ -89,7 +89,8 @@ pub(crate) struct InAir<'a> {
     pub(crate) rest: &'a [f64],
     /// h^2/12.
     pub(crate) scale: f64,
-    pub(crate) loss: f64,
+    /// eta of the plate's own stiffness.
+    pub(crate) loss: Lanes,
     pub(crate) air: [AirAlong; LANES],
 }
 
@@ -101,7 +102,7 @@ impl Medium for InAir<'_> {
         for lane in 0..LANES {
             let here = self.air[lane].at(across);
             re[lane] = rest + self.scale * (here.wavenumber_squared - across);
-            im[lane] = self.scale * here.wavenumber_squared * self.loss * here.loss_share;
+            im[lane] = self.scale * here.wavenumber_squared * self.loss[lane] * here.loss_share;
         }
         (re, im)
     }

@@ -135,7 +135,7 @@ impl<'a> Discrete<'a> {
         let rows = (section.orders as f64 * self.panels).ceil() as usize;
         let air = AirForces::new(&fluid, (section, mesh, outline), (panel_m, rows), omega)?;
         let dry = section.energy.level(plate.spec().model.wavenumber_squared(omega));
-        let sheet = equations(plate.wave_loss(), dry);
+        let sheet = equations(plate.stiffness_loss_at(*frequency_hz), dry);
         // What is left after the free wave's mass has been taken out is little.
         let free = free.matrix.factor();
         let balance = |unknowns: &[Complex64]| {
@@ -169,15 +169,14 @@ impl<'a> Discrete<'a> {
         // more of the plate. D is proportional to the third power of the thickness, the mass per area to the first.
         let mode = plate.width_mode(1);
         let air = mode.air(self.frequency_hz).filter(|_| Fluid::of(plate.spec().air).is_none());
+        let loss = plate.stiffness_loss_at(self.frequency_hz);
         let along = |x: f64| {
             let across = mode.width_term(x);
             air.map(|air| (air.at(across), air.weight_from_end(across, x)))
         };
         let stiffness = |x: f64| match along(x) {
             _ if x < 0.0 => in_lead_in,
-            Some((here, power)) => {
-                self.modulus * power / Complex64::new(1.0, plate.wave_loss() / here.weight)
-            }
+            Some((here, power)) => self.modulus * power / Complex64::new(1.0, loss / here.weight),
             None => in_plate * plate.thickness_ratio(x).powi(3),
         };
         let inertia = |x: f64| match along(x) {

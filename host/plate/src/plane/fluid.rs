@@ -5,7 +5,7 @@
 //! -omega^2 M w with
 //!
 //! ```text
-//! baffle      M = faces rho S          bare      M = rho H^-1
+//! baffle      M = faces rho S          bare      M = rho H^-1          above a table      M = rho (H + H')^-1
 //! ```
 //! An endless plane wave of the wavenumber K far above the air's k has M = faces rho/K in both. Where k is not 0, M has an
 //! imaginary part: the sound that leaves the sheet.
@@ -43,6 +43,8 @@ pub(super) struct Fluid {
     pub(super) density: f64,
     /// Speed of sound, m/s.
     pub(super) sound_speed: f64,
+    /// Distance of a table below, metres: only of a bare frame.
+    pub(super) gap_m: Option<f64>,
 }
 
 /// M of the panels.
@@ -58,10 +60,10 @@ enum Operator {
 }
 
 impl Fluid {
-    /// The air of a plate; `None` where it has none, where its plate file states a coefficient and not how the plate stands, and
-    /// above a table, whose images these panels do not have: there the sheet carries the mass of the law.
+    /// The air of a plate; `None` where it has none, and where its plate file states a coefficient and not how the plate stands:
+    /// there the sheet carries the mass of the law.
     pub(super) fn of(air: Option<Air>) -> Option<Self> {
-        let Some(Air::Around { gas, mounting, gap_m: None }) = air else { return None };
+        let Some(Air::Around { gas, mounting, gap_m }) = air else { return None };
         let (kernel, faces) = match mounting {
             AirMounting::Baffle { faces } => (Kernel::Source, faces.count()),
             AirMounting::BareFrame => (Kernel::Jump, 1.0),
@@ -70,7 +72,7 @@ impl Fluid {
             }
         };
         let density = faces * gas.density_kg_per_m3();
-        Some(Self { kernel, density, sound_speed: gas.sound_speed_m_per_s() })
+        Some(Self { kernel, density, sound_speed: gas.sound_speed_m_per_s(), gap_m })
     }
 
     /// Length of the panels where the sheet's waves have the length `wavelength_m` and air adds the share `added` to its inertia.
@@ -89,8 +91,13 @@ impl AddedMass {
     /// M of `panels` that were made for the same kernel, at the angular frequency `omega`.
     pub(super) fn new(fluid: &Fluid, panels: Vec<Panel>, omega: f64) -> Self {
         let k = omega / fluid.sound_speed;
+        let table = fluid.gap_m.map(|gap_m| (gap_m, panels.iter().map(Panel::places).collect::<Vec<_>>()));
         let matrix = DMatrix::from_fn(panels.len(), panels.len(), |row, column| {
-            panels[column].influence(fluid.kernel, panels[row].centre, k)
+            let (panel, point) = (&panels[column], panels[row].centre);
+            let below = table
+                .as_ref()
+                .map_or(Complex64::ZERO, |(gap_m, places)| panel.below(&places[column], point, k, *gap_m));
+            panel.influence(fluid.kernel, point, k) + below
         });
         let operator = match fluid.kernel {
             Kernel::Source => Operator::Source(matrix),

@@ -19,8 +19,16 @@
 //! ```
 //! The remainder of the kernels for k > 0 is smooth except for the (k^2/2)/R of H, so its values at the centres
 //! suffice.
+//!
+//! A table, a rigid wall at the distance g below, mirrors the flow: a jump has an image at 2 g below, which moves the air at the sheet by
+//!
+//! ```text
+//! H' phi = integral of phi(r') (1 - jkR - (y/R)^2 (3 - 3jkR - (kR)^2)) e^(jkR)/(4 pi R^3),    y = 2 g,  R^2 = |r - r'|^2 + y^2
+//! ```
+//! An endless wave of the wavenumber K has H = K/2 and H + H' = K/2 (1 - e^(-2 K g)): coth(K g) times as much air below.
 
 use super::outline::Outline;
+use crate::special::gauss::gauss;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
@@ -31,6 +39,9 @@ const FAR: f64 = 6.0;
 const ON_LINE: f64 = 1e-9;
 /// k R below which the remainders of the exponentials are computed by their series.
 const SMALL: f64 = 0.02;
+/// Distance of an image over the panel's longest edge from which its middle stands for it, and points along and across nearer.
+const IMAGE_FAR: f64 = 4.0;
+const IMAGE_POINTS: usize = 3;
 
 /// A point of the sheet: x and z, metres.
 pub(super) type Point = [f64; 2];
@@ -104,6 +115,40 @@ impl Panel {
             normal += (s2 / r2 - s1 / r1) / h;
         }
         (potential, normal)
+    }
+
+    /// What the images of a jump of 1 on the panel and its mirror image in a rigid wall at the distance `gap_m` below add to an element
+    /// of H at `point`, 1/m. `places` are those of [`Panel::places`].
+    pub(super) fn below(&self, places: &[(Point, f64)], point: Point, k: f64, gap_m: f64) -> Complex64 {
+        let y = 2.0 * gap_m;
+        let acts = |from: Point, point: Point| {
+            let r = (from[0] - point[0]).hypot(from[1] - point[1]).hypot(y);
+            let (x, slope) = (Complex64::new(0.0, k * r), (y / r).powi(2));
+            (1.0 - x - slope * (3.0 - 3.0 * x + x * x)) * x.exp() / (4.0 * PI * r.powi(3))
+        };
+        let mut sum = Complex64::ZERO;
+        for point in [point, [point[0], -point[1]]] {
+            let away = (self.centroid[0] - point[0]).hypot(self.centroid[1] - point[1]).hypot(y);
+            sum += if away > IMAGE_FAR * self.longest {
+                acts(self.centroid, point) * self.area
+            } else {
+                places.iter().map(|(from, area)| acts(*from, point) * area).sum()
+            };
+        }
+        sum
+    }
+
+    /// Points of the panel with their shares of its area, by Gauss's rule.
+    pub(super) fn places(&self) -> Vec<(Point, f64)> {
+        let rule = gauss(IMAGE_POINTS);
+        let [a, b, c, d] = self.corners;
+        let place = |&(u, of_u): &(f64, f64), &(v, of_v): &(f64, f64)| {
+            let at = |i: usize| (1.0 - v) * ((1.0 - u) * a[i] + u * b[i]) + v * ((1.0 - u) * d[i] + u * c[i]);
+            let along = |i: usize| (1.0 - v) * (b[i] - a[i]) + v * (c[i] - d[i]);
+            let across = |i: usize| (1.0 - u) * (d[i] - a[i]) + u * (c[i] - b[i]);
+            ([at(0), at(1)], of_u * of_v * (along(0) * across(1) - along(1) * across(0)))
+        };
+        rule.iter().flat_map(|u| rule.iter().map(move |v| (u, v))).map(|(u, v)| place(u, v)).collect()
     }
 
     /// Influence of a value of 1 on the panel and its mirror image at `point`: an element of S (metres) or H (1/m),

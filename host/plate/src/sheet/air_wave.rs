@@ -143,7 +143,7 @@ impl AirWave {
         if way == 0.0 {
             (lost, way) = (plate.dilution(frequency_hz) * plate.wavenumber_squared(frequency_hz), 1.0);
         }
-        plate.wave_loss() * lost / way * self.speed_m_per_s.powi(2) / (TAU * frequency_hz)
+        plate.stiffness_loss_at(frequency_hz) * lost / way * self.speed_m_per_s.powi(2) / (TAU * frequency_hz)
     }
 }
 

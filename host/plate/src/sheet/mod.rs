@@ -283,5 +283,5 @@ fn damping_per_s(plate: &Plate, grid: &SheetGrid, wave: &AirWave) -> f64 {
         return wave.damping_per_s(plate, loss_at_hz);
     }
     // K^2 (1 + j eta) = (omega^2 + j r omega)/c^2 with r = eta omega.
-    plate.wave_loss() * omega
+    plate.stiffness_loss_at(loss_at_hz) * omega
 }

@@ -10,7 +10,7 @@ mod levels;
 mod misuse;
 mod one_sensor;
 mod promise;
-mod rig;
+pub(crate) mod rig;
 mod shunt;
 mod touches;
 mod trim;
@@ -36,12 +36,12 @@ fn measured(name: &str, rig: &Rig, random: &mut Random) -> [Measurement; 2] {
     rig.measure(PLACES.map(|share| share * rig.nominal.length_m()), count(name), random)
 }
 
-fn calibrated(rig: &Rig, sensors: &[Measurement; 2]) -> Result<Calibrated, CalibrateError> {
+pub(crate) fn calibrated(rig: &Rig, sensors: &[Measurement; 2]) -> Result<Calibrated, CalibrateError> {
     from_ratio(&rig.nominal, [&sensors[0], &sensors[1]], &Priors::default())
 }
 
 /// Whether the stated interval of a parameter holds the true value.
-fn within(found: &Calibrated, name: &str, value: f64) -> bool {
+pub(crate) fn within(found: &Calibrated, name: &str, value: f64) -> bool {
     let told = found.parameters.iter().find(|parameter| parameter.name == name).expect(name);
     (told.low..=told.high).contains(&value)
 }

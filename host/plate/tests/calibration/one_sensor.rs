@@ -73,6 +73,69 @@ fn one_sensor(number: u64) {
     }
 }
 
+/// Plates that swing as membranes do.
+const MEMBRANES: [&str; 4] = ["membrane", "latex-membrane", "membrane-heavy", "tungsten-membrane"];
+
+/// A membrane near a preset with the sensor anywhere up to 60 % of the length, its mark off by what its tolerance says.
+struct Anywhere {
+    name: &'static str,
+    place_m: f64,
+    off_m: f64,
+    found: Result<Calibrated, CalibrateError>,
+    boundary_m: f64,
+    level_db: f64,
+}
+
+impl Anywhere {
+    fn of(seed: u64, solver: Solver) -> Self {
+        let mut random = Random::new(5000 + seed);
+        let name = MEMBRANES[seed as usize % MEMBRANES.len()];
+        let rig = Rig::new(name, solver, &mut random);
+        let place_m = random.factor(0.012, 0.5 * rig.nominal.length_m());
+        let [mut sensor] = rig.measure([place_m], 100, &mut random);
+        let off_m = sensor.place_tolerance_m * random.normal();
+        sensor.place_m += off_m;
+        let found = calibrated(&rig, &sensor);
+        let judged = found.as_ref().map(|found| rig.judge(&found.plate)).ok();
+        let (boundary_m, level_db) = judged.map_or((f64::NAN, f64::NAN), |it| (it.boundary_m, it.level_db));
+        let it = Self { name, place_m, off_m, found, boundary_m, level_db };
+        println!("{seed:3} {}", it.words());
+        it
+    }
+
+    fn words(&self) -> String {
+        let Self { name, place_m, off_m, .. } = self;
+        let at = format!("{name} at {:.1} mm, mark {:+.2} mm", 1e3 * place_m, 1e3 * off_m);
+        match &self.found {
+            Ok(found) => format!(
+                "{at}: boundary {:.2} (stated {:.2}, {:.2}) mm, level {:.2} (stated {:.2}) dB, chi2/n {:.2}",
+                1e3 * self.boundary_m,
+                1e3 * found.boundary_tolerance_m,
+                self.boundary_m / found.boundary_tolerance_m,
+                self.level_db,
+                found.level_tolerance_db,
+                found.chi2_per_n
+            ),
+            Err(error) => format!("{at}: {error}"),
+        }
+    }
+}
+
+#[test]
+#[ignore = "many plates: .ci/run statistics"]
+fn one_sensor_anywhere_on_a_membrane_is_within_its_interval_or_refused() {
+    anywhere(0..17, Solver::OneMode);
+}
+
+fn anywhere(seeds: impl Iterator<Item = u64>, solver: Solver) {
+    let all: Vec<Anywhere> = seeds.map(|seed| Anywhere::of(seed, solver)).collect();
+    let accepted = all.iter().filter_map(|it| Some((it.boundary_m, it.found.as_ref().ok()?)));
+    let shares: Vec<f64> = accepted.map(|(off_m, found)| off_m / found.boundary_tolerance_m).collect();
+    let within = shares.iter().filter(|share| **share <= 1.0).count();
+    println!("{solver:?}: {} of {} accepted, {within} within", shares.len(), all.len());
+    assert!(10 * shares.len() >= 9 * all.len() && 20 * within >= 19 * shares.len(), "{shares:.2?}");
+}
+
 #[test]
 fn mistakes_with_one_sensor_are_refused_or_reported() {
     misuse(&["membrane"]);

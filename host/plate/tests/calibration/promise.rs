@@ -5,7 +5,7 @@ use super::calibrated;
 use super::levels;
 use super::rig::{Random, Rig, Solver};
 use slipline_plate::calibrate::{Placing, SensorPlaces};
-use slipline_plate::{Plate, preset};
+use slipline_plate::{Plate, preset, presets};
 
 /// The stated intervals of boundary and level over the planned ones of one plate near `nominal`; `None` where it is refused.
 fn stated_over_planned(name: &str, nominal: &Plate, seed: u64) -> Option<[f64; 2]> {
@@ -70,13 +70,37 @@ fn the_planned_level_is_that_behind_a_drive_that_resonates() {
 mod night {
     use super::*;
 
+    /// Stated over planned interval of the boundary and of the level that are allowed.
+    const BOUNDARY: (f64, f64) = (0.8, 2.2);
+    const LEVEL: (f64, f64) = (0.2, 1.8);
+
+    /// The first five presets, four secret plates of each: what is planned is reached within a factor of about two, and
+    /// refused is no plate of whose plan nothing is said.
     #[test]
     #[ignore = "many plates: .ci/run statistics"]
-    fn resonant_plates_keep_what_their_plans_promise() {
-        for (name, nominal) in resonant() {
+    fn plates_keep_what_their_plans_promise() {
+        let all = presets().iter().take(5).map(|it| (it.name, it.plate().expect("a preset")));
+        let (mut accepted, mut off) = (0, Vec::new());
+        for (name, nominal) in all {
+            let placing = Placing { points: levels::count(&nominal), ..Placing::default() };
+            let Ok(plan) = SensorPlaces::of(&nominal, &placing) else { continue };
+            let caution = plan.caution();
             for seed in 0..4 {
-                stated_over_planned(&name, &nominal, 4000 + seed);
+                match stated_over_planned(name, &nominal, 4000 + seed) {
+                    Some([boundary, level]) => {
+                        accepted += 1;
+                        let holds = (BOUNDARY.0..BOUNDARY.1).contains(&boundary)
+                            && (LEVEL.0..LEVEL.1).contains(&level);
+                        if !holds {
+                            off.push(format!("{name} {seed}: {boundary:.2} {level:.2}"));
+                        }
+                    }
+                    None if caution.is_some() => println!("{name} {seed} is refused, as its plan says"),
+                    None => off.push(format!("{name} {seed} is refused")),
+                }
             }
         }
+        println!("{accepted} accepted, off: {off:?}");
+        assert!(off.is_empty() && accepted >= 16, "{accepted} accepted, off: {off:?}");
     }
 }

@@ -1,10 +1,10 @@
 //! The limits within which a fit is accepted, and the refusals beyond them.
 
 use super::pairs::Pair;
-use super::unknowns::{EDGE_GIVE, HALF_WIDTH, INTERVAL, SPEED, TAPER};
+use super::unknowns::{AIR, EDGE_GIVE, HALF_WIDTH, INTERVAL, SPEED, TAPER};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
-use crate::definition::{Model, Plate};
+use crate::definition::{Air, AirMounting, Model, Plate, PlateSpec};
 
 /// Fewest frequencies that both sensors measured: twice the number of what is fitted but for how far the edges give, which is known
 /// beforehand.
@@ -17,6 +17,8 @@ pub(crate) const SPEED_MAX: f64 = 0.12;
 /// Standard deviations by which the widths, the edges and the places together may differ from what was known beforehand: the root of
 /// the sum of their squares. A sensor 10 mm from its mark spreads its mistake over all of them.
 const DEVIATIONS_MAX: f64 = 4.5;
+/// Standard deviations by which the air of a frame in the open may be more than its mounting has.
+const MORE_AIR_MAX: f64 = 3.0;
 /// Largest standard deviation of the boundary over the one that is left if how far clamped edges give is known. The planned places
 /// have 1.2 to 1.3.
 const CLAMPED_OPEN_MAX: f64 = 1.75;
@@ -87,6 +89,21 @@ pub(crate) fn check_coordinates(
         }
         _ => CalibrateError::AnotherPlate { what: "taper", share: 1.0 + coordinates[TAPER] },
     })
+}
+
+/// Refuses air that carries more than a frame in the open has: a table below, which the file does not state, has another course over
+/// the frequency than a coefficient.
+pub(crate) fn check_air(nominal: &PlateSpec, coordinates: &[f64]) -> Result<(), CalibrateError> {
+    match nominal.air {
+        Some(Air::Around {
+            mounting: mounting @ (AirMounting::BareFrame | AirMounting::Unknown),
+            gap_m: None,
+            ..
+        }) if coordinates[AIR] > MORE_AIR_MAX * mounting.deviation() => {
+            Err(CalibrateError::MoreAir { share: coordinates[AIR].exp() })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses two places that hardly show how far clamped edges give: what they do to the wave saturates, so that a fit takes one of 0.8

@@ -14,7 +14,7 @@ use super::response::wave::{COARSE, FINE, points};
 use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
 use super::source::data::Datum;
 use super::source::source_model::SourceModel;
-use super::unknowns::{EDGE_GIVE, HELD, OF_PLATE, Priors, SPEED, of_baffle, of_plate, spec_at, with_speed};
+use super::unknowns::{EDGE_GIVE, HELD, OF_PLATE, Priors, SPEED, of_baffle, spec_at, with_speed};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorBody, SensorKind};
 use crate::definition::{Plate, PlateSpec};
@@ -234,8 +234,8 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
     const STEPS_MAX: usize = 30;
     const ALL: bool = S::ALL;
 
-    fn of_plate(&self) -> usize {
-        of_plate(self.nominal)
+    fn nominal(&self) -> &PlateSpec {
+        self.nominal
     }
 
     fn count(&self) -> f64 {

@@ -1,7 +1,7 @@
 //! Calibrated numbers by their names in a plate file, with their intervals.
 
 pub(crate) use super::unknowns::INTERVAL;
-use super::unknowns::{OF_PLATE, of_plate, spec_at};
+use super::unknowns::{exponent_at, of_air_count, spec_at};
 use crate::definition::{Air, Model, PlateSpec, Taper};
 
 /// A calibrated number of the plate or of a sensor.
@@ -72,6 +72,6 @@ pub(crate) fn numbers(spec: &PlateSpec) -> Vec<(&'static str, f64)> {
     let edge_give = ("edge_give_m", spec.edge_give_m.unwrap_or(0.0));
     let half_width = ("taper.half_width_m", half_width_m);
     let of_all = [speed, ("loss_factor", spec.loss_factor), taper, half_width, edge_give];
-    let count = of_plate(spec) - OF_PLATE;
-    of_all.into_iter().chain(of_air.take(count)).collect()
+    let exponent = exponent_at(spec).map(|_| ("loss_exponent", spec.loss_exponent.unwrap_or(0.0)));
+    of_all.into_iter().chain(of_air.take(of_air_count(spec))).chain(exponent).collect()
 }

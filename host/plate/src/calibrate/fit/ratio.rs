@@ -19,8 +19,7 @@ use super::response::wave::{COARSE, FINE, Wave, points};
 use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
 use super::sensor_load::{Load, SensorLoad};
 use super::unknowns::{
-    AIR, DISTANT_AIR, EDGE_GIVE, HELD, OF_PLATE, Priors, from_tried_air, in_tried_air, of_baffle, of_plate,
-    spec_at,
+    AIR, DISTANT_AIR, EDGE_GIVE, HELD, OF_PLATE, Priors, from_tried_air, in_tried_air, of_baffle, spec_at,
 };
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
 use crate::definition::{Plate, PlateSpec};
@@ -208,8 +207,8 @@ impl Searched for Ratio<'_> {
     const STEPS_MAX: usize = least_squares::STEPS_MAX;
     const ALL: bool = false;
 
-    fn of_plate(&self) -> usize {
-        of_plate(self.nominal)
+    fn nominal(&self) -> &PlateSpec {
+        self.nominal
     }
 
     fn count(&self) -> f64 {

@@ -6,7 +6,7 @@ use super::least_squares::Fit;
 use super::parameter::{INTERVAL, Parameter, parameters_of_plate};
 use super::source::source_file::FittedSource;
 use super::spread::Spread;
-use super::unknowns::{EDGE_GIVE, HALF_WIDTH, HELD, LOSS, TAPER, of_plate, spec_at};
+use super::unknowns::{EDGE_GIVE, HALF_WIDTH, HELD, LOSS, TAPER, exponent_at, of_plate, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::Measurement;
 use crate::definition::{Calibration, Plate, limits};
@@ -105,6 +105,7 @@ impl AcceptedFit<'_> {
         let Self { nominal, fit, sensors, .. } = self;
         let of_plate = of_plate(nominal.spec());
         acceptance::check_coordinates(&fit.parameters, self.deviations, of_plate, sensors)?;
+        acceptance::check_air(nominal.spec(), &fit.parameters)?;
         // Without the record of the calibration.
         let spec = spec_at(nominal.spec(), &fit.parameters);
         let fitted = match &self.source {
@@ -142,6 +143,9 @@ impl AcceptedFit<'_> {
         let edges_are_held = self.deviations[EDGE_GIVE] <= HELD;
         if !edges_are_held {
             spec.edge_give_tolerance_m = Some(half(EDGE_GIVE).min(limits::EDGE_GIVE_TOLERANCE.high));
+        }
+        if let Some(at) = exponent_at(nominal.spec()) {
+            spec.loss_exponent_tolerance = Some(half(at).min(limits::LOSS_EXPONENT_TOLERANCE.high));
         }
         spec.calibration = Some(Calibration {
             chi2_per_n: self.chi2_per_n,

@@ -4,7 +4,8 @@
 use super::acceptance::CHI2_PER_N_MAX;
 use super::least_squares::{self, Fit, Problem, minima, slope};
 use super::response::wave::{COARSE, FINE};
-use super::unknowns::{OF_PLATE, STEPS, with_speed};
+use super::unknowns::{OF_PLATE, of_plate, steps, with_speed};
+use crate::definition::PlateSpec;
 use crate::order;
 
 /// Model error during the scan: it widens the valleys, so that fewer places must be tried, and beside a node little is to be
@@ -33,8 +34,8 @@ pub(crate) trait Searched: Sized {
     /// Whether every valley is followed, because another plate may fit nearly as well.
     const ALL: bool;
 
-    /// Number of the plate's coordinates.
-    fn of_plate(&self) -> usize;
+    /// The plate of the file.
+    fn nominal(&self) -> &PlateSpec;
     /// Number of data, for chi^2 per number.
     fn count(&self) -> f64;
     /// Starts in the lowest valleys of a scan over these speeds.
@@ -43,6 +44,11 @@ pub(crate) trait Searched: Sized {
     fn residuals(&self, at: &[f64], radians: f64, model_error: f64) -> Option<Vec<f64>>;
     /// The columns of J by the coordinates after the plate's.
     fn columns(&self, at: &[f64], radians: f64, model_error: f64) -> Option<Vec<Vec<f64>>>;
+
+    /// Number of the plate's coordinates.
+    fn of_plate(&self) -> usize {
+        of_plate(self.nominal())
+    }
 
     /// The bottom of the lowest valley, and the bottoms of all valleys that were followed; first of all that of `known`, a
     /// place that is known to be near a bottom.
@@ -109,7 +115,7 @@ impl<S: Searched> Problem for OnGrid<'_, S> {
     }
 
     fn slopes(&self, at: &[f64], r: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let of_plate = STEPS[..self.searched.of_plate()].iter().enumerate().map(|(i, &step)| {
+        let of_plate = steps(self.searched.nominal()).into_iter().enumerate().map(|(i, step)| {
             let above = self.residuals(&beside(at, i, step))?;
             if self.radians > FINE {
                 return Some(slope(&above, r, step));

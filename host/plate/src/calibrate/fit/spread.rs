@@ -2,7 +2,7 @@
 
 use super::gain::Carried;
 use super::least_squares::Fit;
-use super::unknowns::{EDGE_GIVE, OF_PLATE_MAX, STEPS, TAPER, of_plate, spec_at};
+use super::unknowns::{EDGE_GIVE, OF_PLATE_MAX, TAPER, of_plate, spec_at, steps};
 use crate::definition::Plate;
 use nalgebra::DMatrix;
 
@@ -22,7 +22,7 @@ impl Slopes {
     fn of(plate: &Plate, value: impl Fn(&Plate, f64) -> f64) -> Option<Self> {
         let of_plate = of_plate(plate.spec());
         let mut rows = vec![[0.0; OF_PLATE_MAX]; PLACES];
-        for (i, step) in STEPS.into_iter().enumerate().take(of_plate) {
+        for (i, step) in steps(plate.spec()).into_iter().enumerate() {
             let mut beside = vec![0.0; of_plate];
             beside[i] = step;
             let other = Plate::new(spec_at(plate.spec(), &beside)).ok()?;
@@ -133,8 +133,9 @@ impl Spread {
         let (boundary_m, of_frequency) = turning.deviations(&fit.covariance);
         let (of_known_edges_m, _) = turning.deviations(&given(&fit.covariance, EDGE_GIVE));
         let exponent = if fitted.spec().model.bending().is_some() { 2.0 } else { 1.0 };
+        let steps = steps(fitted.spec());
         let slopes = (0..fit.parameters.len()).map(|i| {
-            let step = STEPS[..turning.slopes.of_plate].get(i).copied().unwrap_or(1e-6);
+            let step = steps.get(i).copied().unwrap_or(1e-6);
             let mut beside = fit.parameters.clone();
             beside[i] += step;
             let there = carried(&beside)?;

@@ -10,14 +10,15 @@
 //! | 4 | how far the edges give beyond the file's, metres | [`Priors::edge_give_m`], or what the file states |
 //! | 5, of a plate in air | ln of the air's coefficient over the file's | [`Priors::air`], or what the mounting leaves open |
 //! | 6, of a membrane in air | share of the pressure at a distance beside the file's | the same |
+//! | the last, where the file states how well it is known | exponent of the loss over the frequency, beside the file's | the file's `loss_exponent_tolerance` |
 
 use crate::definition::limits;
 use crate::definition::taper::WidthLaw;
 use crate::definition::{Air, AirMounting, BAFFLE, BARE_FRAME, Model, PlateSpec};
 use crate::quantity::{OutOfRange, Range};
 
-/// Coordinates of the plate: [`OF_PLATE`] of them, and those of its air where air swings with it ([`of_plate`]). Those of the
-/// sensors follow.
+/// Coordinates of the plate: [`OF_PLATE`] of them, those of its air where air swings with it, and that of the loss's exponent where
+/// it is open ([`of_plate`]). Those of the sensors follow.
 pub(crate) const SPEED: usize = 0;
 pub(crate) const LOSS: usize = 1;
 pub(crate) const TAPER: usize = 2;
@@ -27,7 +28,7 @@ pub(crate) const OF_PLATE: usize = 5;
 pub(crate) const AIR: usize = 5;
 pub(crate) const DISTANT_AIR: usize = 6;
 /// The most that a plate has.
-pub(crate) const OF_PLATE_MAX: usize = 7;
+pub(crate) const OF_PLATE_MAX: usize = 8;
 /// Standard deviation of how far edges give, metres: a lip that pivots in its 1 mm, a line of glue, a kerf.
 const GIVE: f64 = 3e-4;
 /// The same of clamped edges, over the thickness: a clamp of the plate's own material turns by some of it.
@@ -42,8 +43,9 @@ const TRIED: [f64; 3] = [BARE_FRAME, AirMounting::Unknown.coefficient().0, BAFFL
 pub(crate) const INTERVAL: f64 = 1.96;
 /// Standard deviation of a coordinate that is held.
 pub(crate) const HELD: f64 = 1e-9;
-/// Ways over which derivatives by the plate's coordinates are taken.
-pub(crate) const STEPS: [f64; OF_PLATE_MAX] = [1e-6, 1e-4, 1e-6, 1e-6, 1e-7, 1e-5, 1e-3];
+/// Ways over which derivatives by the coordinates up to those of the air are taken, and by the exponent of the loss.
+const STEPS: [f64; DISTANT_AIR + 1] = [1e-6, 1e-4, 1e-6, 1e-6, 1e-7, 1e-5, 1e-3];
+const EXPONENT_STEP: f64 = 1e-3;
 
 /// How well the plate's numbers are known before it is measured, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,7 +104,8 @@ impl Priors {
         let of_air = mounting_of(nominal).into_iter().flat_map(|mounting| {
             [mounting.deviation(), mounting.distant_deviation()].map(|usual| self.air.unwrap_or(usual))
         });
-        self.deviations(nominal).into_iter().chain(of_air.take(of_plate(nominal) - OF_PLATE)).collect()
+        let of_air = of_air.take(of_air_count(nominal));
+        self.deviations(nominal).into_iter().chain(of_air).chain(exponent_known(nominal)).collect()
     }
 }
 
@@ -126,16 +129,42 @@ pub(crate) const fn with_speed(speed: f64, loss: f64) -> [f64; OF_PLATE] {
 
 /// Number of coordinates of this plate.
 pub(crate) fn of_plate(nominal: &PlateSpec) -> usize {
+    OF_PLATE + of_air_count(nominal) + usize::from(exponent_at(nominal).is_some())
+}
+
+/// The coordinate of the exponent of the loss; `None` where the file holds it.
+pub(crate) fn exponent_at(nominal: &PlateSpec) -> Option<usize> {
+    exponent_known(nominal).map(|_| OF_PLATE + of_air_count(nominal))
+}
+
+/// Its standard deviation by the file.
+fn exponent_known(nominal: &PlateSpec) -> Option<f64> {
+    nominal.loss_exponent_tolerance.filter(|half| *half > 0.0).map(|half| half / INTERVAL)
+}
+
+/// The ways over which derivatives by the coordinates of this plate are taken.
+pub(crate) fn steps(nominal: &PlateSpec) -> Vec<f64> {
+    let exponent = exponent_known(nominal).map(|_| EXPONENT_STEP);
+    STEPS.into_iter().take(OF_PLATE + of_air_count(nominal)).chain(exponent).collect()
+}
+
+/// Number of coordinates of this plate's air.
+pub(crate) fn of_air_count(nominal: &PlateSpec) -> usize {
     match (&nominal.air, &nominal.model) {
-        (None | Some(Air::Vacuum), _) => OF_PLATE,
+        (None | Some(Air::Vacuum), _) => 0,
         // Above a table no pressure at a distance counts.
         (Some(Air::Around { mounting, gap_m: None, .. }), Model::Membrane { .. })
             if mounting.distant_deviation() > 0.0 =>
         {
-            OF_PLATE_MAX
+            2
         }
-        (Some(Air::Around { .. }), _) => OF_PLATE + 1,
+        (Some(Air::Around { .. }), _) => 1,
     }
+}
+
+/// Whether the pressure at a distance is one of its coordinates.
+pub(crate) fn has_distant_air(nominal: &PlateSpec) -> bool {
+    OF_PLATE + of_air_count(nominal) > DISTANT_AIR
 }
 
 fn mounting_of(spec: &PlateSpec) -> Option<AirMounting> {
@@ -146,7 +175,7 @@ fn mounting_of(spec: &PlateSpec) -> Option<AirMounting> {
 /// stands in a baffle, where the wave does not depend on alpha and alpha is a convention. `None` where the plate has no such
 /// coordinates.
 pub(crate) fn of_baffle(nominal: &PlateSpec, coordinates: &[f64]) -> Option<f64> {
-    if of_plate(nominal) <= DISTANT_AIR {
+    if !has_distant_air(nominal) {
         return None;
     }
     let mounting = mounting_of(nominal)?;
@@ -167,12 +196,18 @@ pub(crate) fn spec_at(nominal: &PlateSpec, coordinates: &[f64]) -> PlateSpec {
     if let Some(give_m) = coordinates.get(EDGE_GIVE).filter(|give_m| **give_m != 0.0) {
         spec.edge_give_m = Some(spec.edge_give_m.unwrap_or(0.0) + give_m);
     }
-    if let (Some(Air::Around { mounting, .. }), Some(air)) = (&mut spec.air, coordinates.get(AIR)) {
+    if let (Some(Air::Around { mounting, gap_m, .. }), Some(air)) = (&mut spec.air, coordinates.get(AIR)) {
         let alpha = (mounting.coefficient().0 * air.exp()).min(limits::AIR_COEFFICIENT.high);
-        let more = if of_plate(nominal) > DISTANT_AIR { coordinates.get(DISTANT_AIR) } else { None };
+        let more = if has_distant_air(nominal) { coordinates.get(DISTANT_AIR) } else { None };
         let range = limits::DISTANT_AIR;
-        let distant = (mounting.distant() + more.unwrap_or(&0.0)).clamp(range.low, range.high);
+        let stated = if gap_m.is_none() { mounting.distant() } else { 0.0 };
+        let distant = (stated + more.unwrap_or(&0.0)).clamp(range.low, range.high);
         *mounting = mounting.found(alpha, distant);
+    }
+    if let Some(exponent) = exponent_at(nominal).and_then(|at| coordinates.get(at)) {
+        let range = limits::LOSS_EXPONENT;
+        let stated = nominal.loss_exponent.unwrap_or(0.0);
+        spec.loss_exponent = Some((stated + exponent).clamp(range.low, range.high));
     }
     spec
 }
@@ -184,7 +219,7 @@ pub(crate) fn in_tried_air(nominal: &PlateSpec) -> Vec<PlateSpec> {
     let Some(Air::Around { gas, mounting: AirMounting::Unknown, gap_m }) = nominal.air else {
         return Vec::new();
     };
-    if of_plate(nominal) <= DISTANT_AIR {
+    if !has_distant_air(nominal) {
         return Vec::new();
     }
     let (_, faces) = AirMounting::Unknown.coefficient();

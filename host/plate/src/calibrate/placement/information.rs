@@ -9,7 +9,7 @@ use crate::calibrate::fit::response::prediction::per_metre;
 use crate::calibrate::fit::response::wave::{FINE, Wave, points};
 use crate::calibrate::fit::search::PLACE_STEP_M;
 use crate::calibrate::fit::spread::{Nodes, Turning};
-use crate::calibrate::fit::unknowns::{OF_PLATE_MAX, STEPS, spec_at};
+use crate::calibrate::fit::unknowns::{OF_PLATE_MAX, spec_at, steps};
 use crate::calibrate::measurement::sensor::{Measurement, PLACE_TOLERANCE_M, SensorKind};
 use crate::definition::{Plate, Resonator};
 use crate::progress::Progress;
@@ -98,11 +98,11 @@ impl Information {
             let wave = Wave::new(spec_at(plate.spec(), coordinates), count)?;
             Ok(wave.with_peak(kind, &all, frequencies_hz))
         };
-        let of_plate = deviations.len();
+        let (of_plate, steps) = (deviations.len(), steps(plate.spec()));
         let here = wave(&vec![0.0; of_plate])?;
         let beside = (0..of_plate).map(|i| {
             let mut beside = vec![0.0; of_plate];
-            beside[i] = STEPS[i];
+            beside[i] = steps[i];
             wave(&beside)
         });
         let beside = beside.collect::<Result<Vec<_>, _>>()?;
@@ -112,7 +112,7 @@ impl Information {
         // The derivative of the sensor's signal at a place, or of the peak.
         let value = |row: &(Vec<f64>, f64), at: Option<usize>| at.map_or(row.1, |at| row.0[3 * at]);
         let slopes = |at: Option<usize>, i: usize| -> [f64; OF_PLATE_MAX] {
-            let slope = |k: usize| (value(&beside[k][i], at) - value(&here[i], at)) / STEPS[k];
+            let slope = |k: usize| (value(&beside[k][i], at) - value(&here[i], at)) / steps[k];
             std::array::from_fn(|k| if k < of_plate { slope(k) } else { 0.0 })
         };
         let row = |i: usize| {

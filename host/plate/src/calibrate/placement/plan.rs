@@ -7,7 +7,7 @@ use crate::calibrate::fit::acceptance::LEVEL_MAX_DB;
 use crate::calibrate::fit::pairs::MODEL_ERROR;
 use crate::calibrate::fit::parameter::INTERVAL;
 use crate::calibrate::fit::response::sensor_body::SensorMasses;
-use crate::calibrate::fit::unknowns::{DISTANT_AIR, Priors};
+use crate::calibrate::fit::unknowns::{DISTANT_AIR, Priors, has_distant_air};
 use crate::calibrate::measurement::band::band_hz;
 use crate::calibrate::measurement::sensor::{POINTS, SensorKind};
 use crate::calibrate::measurement::signal;
@@ -184,7 +184,9 @@ impl SensorPlaces {
         // Without the air's pressure at a distance: a plan for a share that is neither that of a baffle nor that of a bare frame
         // serves neither.
         let mut deviations = placing.priors.deviations_of(plate.spec());
-        deviations.truncate(DISTANT_AIR);
+        if has_distant_air(plate.spec()) {
+            deviations.remove(DISTANT_AIR);
+        }
         let air = plate.spec().air.map(Air::near_alone);
         let near = if air.is_none() {
             plate.clone()

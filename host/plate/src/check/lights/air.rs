@@ -34,7 +34,7 @@ pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
         (_, Some(Air::Around { mounting, .. })) => {
             let moved = shift_mm(site, spec.air.as_ref());
             let open = mounting.deviation() * moved.abs();
-            let table = table(site);
+            let table = table(site, moved);
             let moves =
                 format!("The air moves the peak by {} mm{table}, which is counted", with_decimals(moved, 1));
             if spec.calibration.is_some() {
@@ -61,7 +61,7 @@ pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
                 format!("{moves}; {open_mm} mm of it are open."),
                 format!("{moves}, and {open_mm} mm of it are open: measure two boundaries, or calibrate."),
             );
-            light(Some(open), colour, sentence + &beside_a_table(site))
+            light(Some(open), colour, sentence + &beside_a_table(site, moved))
         }
         (_, None) => {
             let mounting = AirMounting::Baffle { faces: Faces::Two };
@@ -89,18 +89,19 @@ pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
     }
 }
 
-/// What a stated table below does, within a sentence; nothing without one.
-fn table(site: &Site<'_>) -> String {
+/// What a stated table below does of the `moved_mm` by which the air moves the peak, within a sentence; nothing without one.
+fn table(site: &Site<'_>, moved_mm: f64) -> String {
     let Some(Air::Around { gas, mounting, gap_m: Some(gap_m) }) = site.plate.spec().air else {
         return String::new();
     };
     let open = Air::Around { gas, mounting, gap_m: None };
-    let by_mm = shift_mm(site, site.plate.spec().air.as_ref()) - shift_mm(site, Some(&open));
+    let by_mm = moved_mm - shift_mm(site, Some(&open));
     format!(", {} mm of it by the table {} below", with_decimals(by_mm, 1), show_length(gap_m))
 }
 
-/// What a table would do that the file does not state, as a sentence behind another; nothing where it does little.
-fn beside_a_table(site: &Site<'_>) -> String {
+/// What a table would do that the file does not state, beyond the `moved_mm` of the air, as a sentence behind another; nothing where
+/// it does little.
+fn beside_a_table(site: &Site<'_>, moved_mm: f64) -> String {
     let Some(Air::Around { gas, mounting, gap_m: None }) = site.plate.spec().air else {
         return String::new();
     };
@@ -108,7 +109,7 @@ fn beside_a_table(site: &Site<'_>) -> String {
         return String::new();
     }
     let near = Air::Around { gas, mounting, gap_m: Some(NEAR_M) };
-    let by_mm = shift_mm(site, Some(&near)) - shift_mm(site, site.plate.spec().air.as_ref());
+    let by_mm = shift_mm(site, Some(&near)) - moved_mm;
     if by_mm <= AIR_MM {
         return String::new();
     }

@@ -1,11 +1,11 @@
 //! Light for the harmonics of the drive: whether a finger feels them beyond the felt edge of the tone.
 
+use super::felt_edge::{driven_end_m, strength};
 use crate::check::grading::{Finding, Site, colour, pick};
 use crate::check::report::{Colour, Limit};
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::HARMONIC_DB;
-use crate::feeling::{Feeling, FeltEdge, FeltTone};
-use crate::frequency::Response;
+use crate::feeling::{Feeling, FeltEdge};
 use crate::quantity::from_decibels;
 use crate::second_boundary::{DrivenTone, HarmonicWave, SecondBoundary};
 
@@ -14,7 +14,16 @@ use crate::second_boundary::{DrivenTone, HarmonicWave, SecondBoundary};
 pub(in crate::check) fn distortion_light(site: &Site<'_>) -> Option<Finding> {
     site.plate.spec().harmonics.as_ref()?;
     let name = "distortion";
-    let Some(found) = loudest(site, 0.0) else {
+    let drive_m = driven_end_m(site);
+    let tone = DrivenTone {
+        frequency_hz: site.frequency_hz,
+        level: site.prepared.conditions.level,
+        drive_m: drive_m.into(),
+    };
+    // Twice and three times a frequency of the span are in the range of every plate's responses.
+    let waves = HarmonicWave::of_tone(site.plate, &tone, site.response.amplitude.len()).unwrap_or_default();
+    let edge = Feeling::edge(site.plate, &strength(site, drive_m));
+    let Some(found) = loudest(site, edge, &waves) else {
         let sentence = "A usual finger feels the tone up to the plate's end: no side is still that a harmonic could disturb.";
         return Some(site.judged(name, None, "dB", Colour::Green, f64::NEG_INFINITY, sentence.to_owned()));
     };
@@ -36,7 +45,12 @@ pub(in crate::check) fn distortion_light(site: &Site<'_>) -> Option<Finding> {
     // A level off by its interval moves the felt edge of the tone, too, and the harmonic by more than the tone.
     let open_db = site.levels.open_db(site.plate).unwrap_or(0.0);
     let at_ends: Vec<(f64, Colour)> = site.interval.as_ref().map_or(Vec::new(), |_| {
-        let ends = [-open_db, open_db].into_iter().filter_map(|db| loudest(site, db));
+        let ends = [-open_db, open_db].into_iter().filter_map(|db| {
+            let factor = from_decibels(db);
+            let edge = Feeling::edge(site.plate, &strength(site, drive_m * factor));
+            let waves: Vec<HarmonicWave> = waves.iter().map(|wave| wave.times(factor)).collect();
+            loudest(site, edge, &waves)
+        });
         ends.map(|it| {
             (it.over_threshold_db, crate::check::grading::colour(it.over_threshold_db, HARMONIC_DB))
         })
@@ -44,41 +58,13 @@ pub(in crate::check) fn distortion_light(site: &Site<'_>) -> Option<Finding> {
     });
     let known = site.interval.as_ref().map_or(String::new(), |interval| interval.boundary());
     let end_m = site.plate.length_m();
-    let from_m = edge(site, 0.0).place_m().unwrap_or(0.0);
+    let from_m = edge.place_m().unwrap_or(0.0);
     let to_m = found.felt_to.place_m().unwrap_or(end_m).max(from_m);
     let over = move || vec![Stretch { from_m, to_m }];
     Some(finding.limited(Limit::AtMost(HARMONIC_DB)).over(over).between(&at_ends, &known))
 }
 
-/// The loudest harmonic where the level is off by `off_db`; `None` where the tone is felt up to the plate's end.
-fn loudest(site: &Site<'_>, off_db: f64) -> Option<SecondBoundary> {
-    let factor = from_decibels(off_db);
-    let tone = DrivenTone {
-        frequency_hz: site.frequency_hz,
-        level: site.prepared.conditions.level,
-        drive_m: (scale_m(site) * factor).into(),
-    };
-    // Twice and three times a frequency of the span are in the range of every plate's responses.
-    let waves = HarmonicWave::of_tone(site.plate, &tone, site.response.amplitude.len()).unwrap_or_default();
-    SecondBoundary::loudest(&SecondBoundary::each(
-        site.plate,
-        &Feeling::default(),
-        edge(site, off_db),
-        &waves,
-    ))
-}
-
-/// The felt edge of the tone.
-fn edge(site: &Site<'_>, off_db: f64) -> FeltEdge {
-    let scale_m = scale_m(site) * from_decibels(off_db);
-    let Response { amplitude, .. } = &site.response;
-    let squares: Vec<f64> = amplitude.iter().map(|f| 0.5 * (f * scale_m).norm_sqr()).collect();
-    let tone = FeltTone { frequency_hz: site.frequency_hz, squares: &squares };
-    Feeling::edge(site.plate, &Feeling::default().strength(site.plate, &[tone]))
-}
-
-/// Displacement of the driven end, metres.
-fn scale_m(site: &Site<'_>) -> f64 {
-    let highest = site.response.height();
-    if highest > 0.0 { site.prepared.peak_m() / highest } else { 0.0 }
+/// The loudest harmonic beyond the felt edge of the tone; `None` where the tone is felt up to the plate's end.
+fn loudest(site: &Site<'_>, edge: FeltEdge, waves: &[HarmonicWave]) -> Option<SecondBoundary> {
+    SecondBoundary::loudest(&SecondBoundary::each(site.plate, &Feeling::default(), edge, waves))
 }

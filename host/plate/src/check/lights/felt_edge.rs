@@ -10,12 +10,7 @@ use crate::quantity::{from_decibels, number_format::with_decimals};
 /// Whether a usual finger feels the tone end on the plate; the value is the place of the felt edge in mm. Amber at most:
 /// fingers differ, and the place where a finger feels nothing is no error of the model.
 pub(in crate::check) fn felt_edge_light(site: &Site<'_>) -> Finding {
-    let response = &site.response;
-    let highest = response.height();
-    let scale = if highest > 0.0 { site.prepared.peak_m() / highest } else { 0.0 };
-    let squares: Vec<f64> = response.amplitude.iter().map(|f| 0.5 * (f * scale).norm_sqr()).collect();
-    let tone = FeltTone { frequency_hz: site.frequency_hz, squares: &squares };
-    let strength = Feeling::default().strength(site.plate, &[tone]);
+    let strength = strength(site, driven_end_m(site));
     let at_ends = site.interval.as_ref().map_or(Vec::new(), |interval| at_ends(site, interval, &strength));
     let known = site.interval.as_ref().map_or(String::new(), Interval::boundary);
     let judged = |value_mm, colour, severity, sentence: String| {
@@ -44,6 +39,20 @@ pub(in crate::check) fn felt_edge_light(site: &Site<'_>) -> Finding {
         }
     };
     found.between(&at_ends, &known)
+}
+
+/// Displacement of the driven end that gives the tone its peak, metres.
+pub(super) fn driven_end_m(site: &Site<'_>) -> f64 {
+    let highest = site.response.height();
+    if highest > 0.0 { site.prepared.peak_m() / highest } else { 0.0 }
+}
+
+/// Strength of the tone along the plate where its driven end moves by `drive_m`, over that which is just felt.
+pub(super) fn strength(site: &Site<'_>, drive_m: f64) -> Vec<f64> {
+    let amplitude = &site.response.amplitude;
+    let squares: Vec<f64> = amplitude.iter().map(|f| 0.5 * (f * drive_m).norm_sqr()).collect();
+    let tone = FeltTone { frequency_hz: site.frequency_hz, squares: &squares };
+    Feeling::default().strength(site.plate, &[tone])
 }
 
 /// Place and colour of the felt edge at the ends of a calibration's intervals, where level and turning point both move it

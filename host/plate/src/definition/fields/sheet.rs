@@ -32,6 +32,8 @@ const WRITTEN: &[&str] = &[
     "loss_factor",
     "wave_speed_tolerance",
     "loss_tolerance",
+    "loss_exponent",
+    "loss_exponent_tolerance",
     "edge_give_m",
     "edge_give_tolerance_m",
     "tension_ratio",
@@ -75,6 +77,11 @@ pub(crate) const PLATE: Section = Section {
             { spec.turning_width, it => Slot::Width(it) };
         loss_tolerance: FieldType::Number(limits::LOSS_TOLERANCE), "how well the loss factor is known"
             { spec.loss_tolerance, it => Slot::Optional(it) };
+        loss_exponent: FieldType::Number(limits::LOSS_EXPONENT), "exponent of the loss factor over the frequency"
+            ["Loss exponent", Unit::Pure] (or 0.0)
+            { spec.loss_exponent, it => Slot::Optional(it) };
+        loss_exponent_tolerance: FieldType::Number(limits::LOSS_EXPONENT_TOLERANCE), "how well that is known"
+            { spec.loss_exponent_tolerance, it => Slot::Optional(it) };
         full_scale_m: FieldType::Number(limits::FULL_SCALE), "the drive's displacement at DAC full scale"
             ["At full scale", MM] (or 1e-6)
             { spec.full_scale_m, it => Slot::Number(it) };

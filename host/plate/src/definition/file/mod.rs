@@ -99,6 +99,8 @@ fn blank() -> PlateSpec {
         loss_factor: 0.0,
         wave_speed_tolerance: 0.0,
         loss_tolerance: None,
+        loss_exponent: None,
+        loss_exponent_tolerance: None,
         drive_end: DriveEnd::Displacement,
         actuator: None,
         harmonics: None,

@@ -71,7 +71,7 @@ impl Strip {
             half_width: plate.turning_half_width_m(0.0),
             lossless,
             axial: lossless * plate.lossy(frequency_hz),
-            compliance: plate.lossy_compliance(),
+            compliance: plate.lossy_compliance(frequency_hz),
             rigidity: surface_density * vacuum / (lossless * rise),
             poisson: model.bending().map_or(f64::NAN, |bending| bending.poisson_ratio),
         }

@@ -57,7 +57,7 @@ fn of_film(plate: &Plate, frequency_hz: f64, end: DrivenEnd) -> DrivenEnd {
 pub(super) fn sourced(plate: &Plate, frequency_hz: f64, source: &Source) -> DrivenEnd {
     let omega = TAU * frequency_hz;
     let vacuum = TAU * plate.vacuum_frequency_hz(frequency_hz);
-    let axial = plate.width_mode(1).axial_squared(frequency_hz) * plate.lossy_compliance();
+    let axial = plate.width_mode(1).axial_squared(frequency_hz) * plate.lossy_compliance(frequency_hz);
     // A validated plate with a source states its tension or thickness.
     let surface_density = plate.spec().model.surface_density("a source").unwrap_or(f64::NAN);
     let mut stiffness = vacuum * vacuum * surface_density / axial;

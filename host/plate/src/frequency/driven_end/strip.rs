@@ -37,7 +37,7 @@ impl Strip {
             omega,
             axial: lossy_axial_squared(&width_mode, frequency_hz),
             lossless_axial,
-            compliance: plate.lossy_compliance(),
+            compliance: plate.lossy_compliance(frequency_hz),
             across: width_mode.width_term(0.0),
             stiffness: rigidity * plate.half_width_m(0.0),
             lateral: 1.0 - model.bending().map_or(f64::NAN, |bending| bending.poisson_ratio),

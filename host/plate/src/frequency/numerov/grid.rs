@@ -141,7 +141,9 @@ impl Grid {
         let width_mode = plate.width_mode(1);
         let axial = || lossy_axial_squared(&width_mode, frequency_hz);
         match (&self.in_air, width_mode.air(frequency_hz)) {
-            (Some(width_square), Some(air)) => At::Air(width_square, air, plate.wave_loss()),
+            (Some(width_square), Some(air)) => {
+                At::Air(width_square, air, plate.stiffness_loss_at(frequency_hz))
+            }
             _ if self.local.is_empty() => At::Separable(axial()),
             _ => At::Graded(axial(), &self.local),
         }

@@ -165,7 +165,7 @@ impl<'g> Scaled<'g> {
                     width_square,
                     rest,
                     scale: *scale,
-                    loss: plate.wave_loss(),
+                    loss: frequency.map(|frequency_hz| plate.stiffness_loss_at(frequency_hz)),
                     air: frequency.map(|frequency_hz| width_mode.air_or_uniform(frequency_hz)),
                 };
                 arch.dispatch(tail.sweep(medium, rows))

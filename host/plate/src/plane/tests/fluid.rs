@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 /// M of a sheet of these panels in air of density 1 with the wavenumber `k`; in a baffle, on one face.
 fn mass(kernel: Kernel, panels: Vec<Panel>, k: f64) -> AddedMass {
-    AddedMass::new(&Fluid { kernel, density: 1.0, sound_speed: 1.0 }, panels, k)
+    AddedMass::new(&Fluid { kernel, density: 1.0, sound_speed: 1.0, gap_m: None }, panels, k)
 }
 
 /// Panels of a rectangle of length `length` and half-width 1, centred on 0.

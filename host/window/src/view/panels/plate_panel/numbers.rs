@@ -132,7 +132,7 @@ fn wave(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
     if let Some(bending) = spec.model.bending() {
         thin_plate(ui, numbers, bending);
     }
-    numbers.show(ui, &["loss_factor"]);
+    numbers.show(ui, &["loss_factor", "loss_exponent"]);
 }
 
 /// The box for leaving out shear and rotary inertia. It is enabled if the plate is valid either way.
