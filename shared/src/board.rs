@@ -1,6 +1,6 @@
-//! What a device has found on its board, and how it tries its own mute pin: the bodies of [`Event::Board`](crate::Event::Board),
-//! [`Event::Analogue`](crate::Event::Analogue), [`Event::MutePin`](crate::Event::MutePin) and
-//! [`Event::Clock`](crate::Event::Clock).
+//! What a device has found on its board, how it tries its own mute pin, and the level of its brown-out reset: the bodies of
+//! [`Event::Board`](crate::Event::Board), [`Event::Analogue`](crate::Event::Analogue), [`Event::MutePin`](crate::Event::MutePin),
+//! [`Event::Clock`](crate::Event::Clock) and [`Event::BrownOut`](crate::Event::BrownOut).
 
 use crate::schema::{body, choices};
 use crate::units::SampleIndex;
@@ -145,6 +145,35 @@ body! {
         pub is_on_bench: bool [""],
         /// When the pin went low; `None` if nothing was tried, or the pin stayed high for 20 ms.
         pub fall: Option<MuteFall> [""],
+    }
+}
+
+body! {
+    /// The body of [`Command::BrownOut`](crate::Command::BrownOut).
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct BrownOutOrder {
+        /// Whether the level that the board needs is to be written, if the present one is lower; else it is only read.
+        pub is_written: bool [""],
+    }
+}
+
+body! {
+    /// The body of [`Event::BrownOut`](crate::Event::BrownOut). Levels are counted as the chip's reference manual counts them, from the
+    /// lowest threshold.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct BrownOut {
+        /// The level in the chip's register. One that has just been written is in force after the restart only.
+        pub level: u8 [""],
+        /// The lowest level that guards this board.
+        pub needed: u8 [""],
+        /// The chip's register of option bytes that holds the level. After a write the host reads it again once the device has
+        /// restarted: it must be the same.
+        pub options: u32 [""],
+        /// The chip's level of read protection, as that register codes it: 170 (0xAA) is none, 204 (0xCC) is level 2, everything else
+        /// level 1.
+        pub read_protection: u8 [""],
+        /// The level has been written, and the device restarts.
+        pub restarts: bool [""],
     }
 }
 

@@ -1,6 +1,6 @@
 //! Commands: the messages from a host to a device, and their bodies.
 
-use crate::board::MuteStep;
+use crate::board::{BrownOutOrder, MuteStep};
 use crate::hold::HoldSetting;
 use crate::limits::{
     CHORD_PERIOD_LOG2, CHUNK_KNOTS, COMB_PERIOD_BLOCKS, LEASE_MS, MAX_DIGEST_SAMPLES, MAX_HARMONIC,
@@ -111,6 +111,12 @@ messages! {
         /// in which the device does not answer. A profile that is kept already is not written again; `Unchanged` says so. `Forget`
         /// leaves it.
         0x42 since 3 WriteProfile(ProfileSetting) -> Accepted,
+        /// Reads the level of the brown-out reset, or writes the one that the board needs into the chip's option bytes. It is written only
+        /// while the device is disarmed, nothing sounds, the board's user button is held as for `WriteProfile`, the chip's read
+        /// protection is off (`ReadProtection`) and the reference voltage is at least 2.9 V (`ReferenceVoltage`). It may take up to 5 s,
+        /// in which the device does not answer; then the device answers and restarts, and the level is in force. A level that is high
+        /// enough is not written again. If the power fails meanwhile, some chips erase their program (`firmware/BOARDS.md`).
+        0x43 since 3 BrownOut(BrownOutOrder) -> BrownOut,
         /// First step into the ROM bootloader: asks for a token. Only while disarmed.
         0x50 since 0 BootloaderToken -> BootloaderToken,
         /// Second step into the ROM bootloader: shows the token. Only while disarmed, and where an actuator's profile is kept only

@@ -71,6 +71,10 @@ choices! {
         30 since 3 FullSine or Self::MasterLevel,
         /// An actuator's longest drive, in milliseconds.
         31 since 3 DriveTime or Self::Glide,
+        /// The reference voltage VREF+ in millivolts.
+        32 since 3 ReferenceVoltage or Self::MasterLevel,
+        /// The byte by which a chip codes its level of read protection.
+        33 since 3 ReadProtection or Self::MasterLevel,
     }
 }
 
@@ -111,6 +115,8 @@ impl Field {
             Self::CoilTime => "time constant of the coil (ms)",
             Self::FullSine => "rise by a full-scale sine (1/1000 of its limit)",
             Self::DriveTime => "longest drive (ms)",
+            Self::ReferenceVoltage => "reference voltage VREF+ (mV)",
+            Self::ReadProtection => "byte of the chip's read protection",
         }
     }
 }

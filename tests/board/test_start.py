@@ -139,9 +139,7 @@ def test_the_lamp_shows_whether_the_device_is_muted(armed):
 
 def test_the_lamp_reports_that_the_brown_out_level_is_not_set(rig):
     """R-56: as chips leave the factory. Only the lamp shows it."""
-    mask, delivered = rig.facts.brown_out
-    rig.board.flash.options = rig.board.flash.options & ~mask | delivered
-    rig.board.reset("power")
+    rig.board.flash.set_brown_out_bits(rig.facts.delivered)
     rig.board.is_hasty = True
     rig.board.run(0.15)
     rig.board.log.clear()

@@ -29,7 +29,7 @@ from channel import Channel
 from errors import FieldError, NoAnswer, Refused, SliplineError
 from messages import (
     AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, RECTANGULAR, VERSION_1_3, Accepted, ActuatorProfile, AnalogueEvent, ArmLease,
-    BoardEvent, Capture, CaptureRead, Chord, ChordTone, ClockEvent, Comb, CombTone, DigestStart, Drive, HeldEvent, Hello, HelloEvent,
+    BoardEvent, BrownOutEvent, BrownOutOrder, Capture, CaptureRead, Chord, ChordTone, ClockEvent, Comb, CombTone, DigestStart, Drive, HeldEvent, Hello, HelloEvent,
     Hold, HoldTone, InputsEvent, KeepAlive, Listen, ListenRead, MaintenanceEvent, MutePinEvent, MuteStep, ProfileEvent,
     SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent, Version, WearEvent, WriteProfile, at, fault_names,
 )  # fmt: skip
@@ -309,6 +309,12 @@ class Client:
         """Keeps a profile of the actuator in the device's flash, or erases it. The device refuses with `HoldButton` while the user
         button on its board is not pressed. Raises `FieldError`, and `SliplineError` with a device older than 1.3."""
         return self._accepted("WriteProfile", WriteProfile(profile))
+
+    def brown_out(self, write: bool = False) -> BrownOutEvent:
+        """The level of the brown-out reset; with `write`, the one that the board needs is written and the device restarts. The device
+        refuses that with `HoldButton` while the user button on its board is not pressed. Raises `SliplineError` with a device older
+        than 1.3."""
+        return self._request("BrownOut", "BrownOut", BrownOutOrder(write))[1]
 
     def wear(self) -> WearEvent:
         """The wear of the profile's flash, and the tables that may be stored now. Raises `SliplineError` with a device older than

@@ -40,7 +40,7 @@ FIELD = Enumeration(
     "ChordPeriod", "Harmonic",  # since 1.2
     "CombPeriod", "WindowBlocks", "LockIns", "Input", "CaptureCodes", "CaptureValues",  # since 1.3
     "TimeConstant", "MaxRise", "Slew", "HeldAmplitude", "Lease",  # since 1.3
-    "ProfileSum", "CoilTime", "FullSine", "DriveTime",  # since 1.3
+    "ProfileSum", "CoilTime", "FullSine", "DriveTime", "ReferenceVoltage", "ReadProtection",  # since 1.3
 )  # fmt: skip
 REFUSAL = Enumeration(
     "Refusal",
@@ -291,6 +291,13 @@ class MuteStep(Record):
 
 
 @dataclass(frozen=True)
+class BrownOutOrder(Record):
+    """Whether the level of the brown-out reset that the board needs is written, or the present one only read. Since 1.3."""
+
+    is_written: bool = field(BOOL)
+
+
+@dataclass(frozen=True)
 class Chord(Record):
     """Sounds multiples of the sample rate over `1 << period_log2`: `master` in 1/100 dB, `glide` in samples. Since 1.2."""
 
@@ -515,6 +522,17 @@ class ClockEvent(Record):
 
 
 @dataclass(frozen=True)
+class BrownOutEvent(Record):
+    """The level of the brown-out reset, and whether the device restarts with it. Since 1.3."""
+
+    level: int = field(U8)
+    needed: int = field(U8)
+    options: int = field(U32)
+    read_protection: int = field(U8)
+    restarts: bool = field(BOOL)
+
+
+@dataclass(frozen=True)
 class ProfileEvent(Record):
     """The profile of the actuator that is in force. Since 1.3."""
 
@@ -671,6 +689,7 @@ COMMANDS = {
         Kind(0x40, "Store"),
         Kind(0x41, "Forget"),
         Kind(0x42, "WriteProfile", Fields(WriteProfile), since=3),
+        Kind(0x43, "BrownOut", Fields(BrownOutOrder), since=3),
         Kind(0x50, "BootloaderToken"),
         Kind(0x51, "BootloaderEnter", U32),
         Kind(0x60, "Inputs", since=3),
@@ -705,6 +724,7 @@ EVENTS = {
         Kind(0x98, "Trigger", Fields(TriggerEvent), since=1),
         Kind(0xA4, "Table", Fields(TableEvent)),
         Kind(0xB1, "Digest", Fields(DigestEvent)),
+        Kind(0xC3, "BrownOut", Fields(BrownOutEvent), since=3),
         Kind(0xD0, "BootloaderToken", U32),
         Kind(0xE0, "Inputs", Fields(InputsEvent), since=3),
         Kind(0xE2, "Listened", Fields(ListenedEvent), since=3),

@@ -1,6 +1,6 @@
 //! One of every command.
 
-use slipline_protocol::board::MuteStep;
+use slipline_protocol::board::{BrownOutOrder, MuteStep};
 use slipline_protocol::command::{
     ArmLease, DigestWindow, Hello, KeepAlive, ProfileSetting, TableChunk, TravelLimit, TravelSetting,
 };
@@ -59,6 +59,7 @@ pub fn every_command() -> Vec<Command> {
         Command::Store,
         Command::Forget,
         Command::WriteProfile(ProfileSetting::default()),
+        Command::BrownOut(BrownOutOrder { is_written: true }),
         Command::BootloaderToken,
         Command::BootloaderEnter(0),
         Command::Inputs,

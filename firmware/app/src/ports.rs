@@ -7,7 +7,7 @@ use core::ops::Range;
 use slipline_dds::bank::{BLOCK, TONES};
 
 pub use slipline_protocol::board::{
-    Analogue, BoardReport, ClockReport, MuteFall, MuteResistor, MuteTrial, PinLevel, StopInput, UsbFrame,
+    Analogue, BoardReport, BrownOut, ClockReport, MuteFall, MuteResistor, MuteTrial, PinLevel, StopInput, UsbFrame,
     UserButton,
 };
 pub use slipline_protocol::units::SampleIndex;
@@ -331,6 +331,23 @@ pub trait System {
 
     /// The actuator's profile says whether a stop input is fitted, or there is none. One that was fitted stays so until a reset.
     fn fit_stop_input(&mut self, _is_fitted: Option<bool>) {}
+
+    /// The level of the brown-out reset, without a restart; `None` where the chip has none.
+    fn brown_out(&self) -> Option<BrownOut> {
+        None
+    }
+
+    /// Writes the level that the board needs into the chip's option bytes, and nothing else. It may stall the processor for seconds.
+    /// Called when disarmed and muted, without read protection.
+    ///
+    /// # Errors
+    /// [`FlashError`] if the chip reports one, or the option bytes read back wrong.
+    fn raise_brown_out_level(&mut self) -> Result<(), FlashError> {
+        Err(FlashError)
+    }
+
+    /// Restarts the device, with its new option bytes. Called when disarmed and silent, after the reply has gone out.
+    fn restart(&mut self) {}
 
     /// Leaves the application for the ROM bootloader. Called when disarmed and silent, after the reply has gone out.
     fn enter_bootloader(&mut self);

@@ -33,7 +33,7 @@
 //! | `guard_clock()`, `take_clock_failure()` | the clock security system: switches it on; whether it has found a failure |
 //! | `set_debug_freezes()` | what stands still while a debugger has halted the core |
 //! | `take_reset_flags()`, `chip()` | the reset's cause; the chip's device id and revision |
-//! | `brown_out_level()`, `BROWN_OUT_LEVEL` | the level that is set, counted from the lowest threshold; the lowest that guards |
+//! | `BROWN_OUT_LEVEL` | the lowest level of the brown-out reset that guards the board, counted from the lowest threshold |
 //! | `LINEAR_PER_MILLE` | the share of the DAC's half swing within which its output is linear |
 //! | `REFERENCE_CALIBRATION` | where the chip keeps the code of its internal reference, and at which VREF+ in mV that was measured |
 //! | `REFERENCE_ADC`, `REFERENCE_CHANNEL`, `start_reference()`, `tune_reference(..)`, `end_reference()` (`adc-fast`) | the ADC and the channel of the internal reference, and how they are set up |
@@ -62,7 +62,7 @@ pub(crate) use nucleo_h743zi2::*;
 
 /// Whether the brown-out reset level is set as the board needs it.
 pub(crate) fn is_brown_out_guarded() -> bool {
-    brown_out_level() >= BROWN_OUT_LEVEL
+    crate::store::brown_out_level() >= BROWN_OUT_LEVEL
 }
 
 pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;

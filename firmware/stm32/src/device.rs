@@ -13,8 +13,8 @@ use slipline_app::listening::capture::Values;
 use slipline_app::listening::listener::Listener;
 use slipline_app::planning::chord::Candidate;
 use slipline_app::ports::{
-    Analogue, BoardReport, ClockReport, CycleCounter, MuteFall, MuteResistor, MuteTrial, PinLevel,
-    RendererPorts, SampleIndex, StopInput, System,
+    Analogue, BoardReport, BrownOut, ClockReport, CycleCounter, FlashError, MuteFall, MuteResistor,
+    MuteTrial, PinLevel, RendererPorts, SampleIndex, StopInput, System,
 };
 use slipline_app::safety::boot::{Boot, STABLE_AFTER_MS};
 use slipline_app::{Device, Link, Mailbox, Renderer, Supervisor, Timing, release};
@@ -32,7 +32,7 @@ use crate::trigger::TriggerPins;
 use crate::uart_link::{FromHost, ToHost, next_frame, start as start_link};
 #[cfg(feature = "link-usb")]
 use crate::usb_link::{FromHost, ToHost, next_frame, start as start_link};
-use crate::{bootloader, crash, fast, guard, pin_lock, priority, supply, watchdog};
+use crate::{bootloader, crash, fast, guard, pin_lock, priority, store, supply, watchdog};
 
 type SharedMailbox = Mailbox<CriticalSectionRawMutex>;
 
@@ -301,7 +301,7 @@ impl System for Facts {
         Analogue {
             reference_mv: self.reference_mv,
             linear_per_mille: board::LINEAR_PER_MILLE,
-            brown_out_level: Some(board::brown_out_level()),
+            brown_out_level: Some(store::brown_out_level()),
             chip,
             revision,
         }
@@ -337,6 +337,18 @@ impl System for Facts {
                 FoundStopInput::Fitted
             }
         };
+    }
+
+    fn brown_out(&self) -> Option<BrownOut> {
+        Some(store::brown_out())
+    }
+
+    fn raise_brown_out_level(&mut self) -> Result<(), FlashError> {
+        store::raise_brown_out_level()
+    }
+
+    fn restart(&mut self) {
+        store::restart()
     }
 
     fn enter_bootloader(&mut self) {

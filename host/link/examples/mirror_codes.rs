@@ -70,6 +70,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     | Command::MutePin(_)
                     | Command::Clock
                     | Command::WriteProfile(_)
+                    | Command::BrownOut(_)
                     | Command::Arm
                     | Command::ArmFor(_)
                     | Command::Bench(_)

@@ -87,6 +87,11 @@ pub const fn before_arming(maintenance: &Maintenance) -> Option<&'static str> {
     )
 }
 
+/// What the user of a board must know before the board writes its option bytes.
+pub const OPTION_BYTES_RISK: &str = "The board writes its chip's option bytes, once. If its power fails meanwhile, for up to a \
+    second, the chip of an STM32F4DISCOVERY, and probably that of a NUCLEO-G474RE, is read-protected afterwards: the way back erases \
+    its whole flash, with the image, the table and the profile (firmware/BOARDS.md). Power it so that nobody pulls its cables.";
+
 /// The warning that the amplifier stays muted, if it does: the device has found no resistor at its mute pin.
 ///
 /// ```

@@ -3,7 +3,7 @@
 use super::Example;
 use heapless::Vec;
 use slipline_protocol::board::{
-    Analogue, BoardReport, ClockReport, MuteFall, MutePin, MuteResistor, MuteStep, MuteTrial, PinLevel,
+    Analogue, BoardReport, BrownOut, BrownOutOrder, ClockReport, MuteFall, MutePin, MuteResistor, MuteStep, MuteTrial, PinLevel,
     StopInput, UsbFrame, UserButton,
 };
 use slipline_protocol::command::{Apply, ArmLease, Comb, CombTone, ProfileSetting};
@@ -68,6 +68,8 @@ pub(crate) fn commands() -> std::vec::Vec<Example<Command>> {
         ("mute-pin-lapse", Command::MutePin(MuteStep { trial: MuteTrial::Lapse })),
         ("mute-pin-break", Command::MutePin(MuteStep { trial: MuteTrial::Break })),
         ("clock", Command::Clock),
+        ("brown-out", Command::BrownOut(BrownOutOrder { is_written: false })),
+        ("brown-out-write", Command::BrownOut(BrownOutOrder { is_written: true })),
         ("bench", Command::Bench(ArmLease { lease_ms: 60_000 })),
         ("bench-largest", Command::Bench(ArmLease { lease_ms: u32::MAX })),
         ("write-profile", Command::WriteProfile(ProfileSetting { profile: Some(profile()) })),
@@ -254,6 +256,8 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         cycles: 107_520_000,
         usb: Some(UsbFrame { number: 640, cycles: 107_600_000 }),
     };
+    let brown_out =
+        BrownOut { level: 2, needed: 2, options: 0x0fff_aae5, read_protection: 0xaa, restarts: true };
     let desk_stop = Status {
         state: State::Fault,
         faults: Faults::NONE.with(Fault::DeskStop),
@@ -314,6 +318,18 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
             })
         ),
         ("clock-reply-none".to_owned(), Event::Clock(ClockReport { usb: None, ..clock })),
+        ("brown-out-reply".to_owned(), Event::BrownOut(BrownOut { restarts: false, ..brown_out })),
+        ("brown-out-reply-restarts".to_owned(), Event::BrownOut(brown_out)),
+        (
+            "brown-out-reply-largest".to_owned(),
+            Event::BrownOut(BrownOut {
+                level: u8::MAX,
+                needed: u8::MAX,
+                options: u32::MAX,
+                read_protection: u8::MAX,
+                restarts: true,
+            })
+        ),
         ("status-reply-fault-10".to_owned(), Event::Status(desk_stop)),
         (
             "status-reply-fault-11".to_owned(),
@@ -349,6 +365,8 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         ("coil-time", Field::CoilTime),
         ("full-sine", Field::FullSine),
         ("drive-time", Field::DriveTime),
+        ("reference-voltage", Field::ReferenceVoltage),
+        ("read-protection", Field::ReadProtection),
     ];
     events.extend(held().map(|(label, event)| (label.to_owned(), event)));
     events.push(("refused-holding".to_owned(), Event::Refused(Refusal::Busy(Busy::Holding))));

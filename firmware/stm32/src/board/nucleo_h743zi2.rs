@@ -312,11 +312,7 @@ pub(crate) fn take_reset_flags() -> ResetFlags {
     }
 }
 
-/// FLASH_OPTSR_CUR.BOR_LEV: 11 is level 3, reset below 2.61 V until 2.70 V (DS12110 table 27); chips leave the factory
-/// with 00, off.
-pub(crate) fn brown_out_level() -> u8 {
-    pac::FLASH.optsr_cur().read().bor_lev()
-}
+/// Level 3 resets below 2.61 V until 2.70 V (DS12110 table 27); chips leave the factory with level 0, off.
 pub(crate) const BROWN_OUT_LEVEL: u8 = 3;
 
 /// The chip's device id and its revision (DBGMCU_IDC, RM0433).

@@ -80,6 +80,7 @@ const fn is_undone_by(command: &Command, stop: &Command) -> bool {
         | Command::MutePin(_)
         | Command::Clock
         | Command::WriteProfile(_)
+        | Command::BrownOut(_)
         | Command::Disarm
         | Command::Stop
         | Command::EmergencyStop

@@ -54,6 +54,8 @@ pub struct Options {
     pub unit: [u8; 12],
     /// Whether it reports that its brown-out reset level is set.
     pub brown_out_guarded: bool,
+    /// The byte by which its chip codes its level of read protection: 0xaa is none.
+    pub read_protection: u8,
     /// Whether its mute pin lacks its resistor, so that its amplifier stays muted.
     pub mute_resistor_missing: bool,
     /// What it reports of its supply. Its DAC's output clips beyond the linear share that stands here.
@@ -76,6 +78,7 @@ impl Default for Options {
             flash: MemoryFlash::default(),
             unit: *b"simulated-00",
             brown_out_guarded: true,
+            read_protection: 0xaa,
             mute_resistor_missing: false,
             analogue: Analogue { reference_mv: 3300, linear_per_mille: 1000, ..Analogue::default() },
             wires: Wires::default(),
@@ -174,6 +177,7 @@ impl SimulatedDevice {
             let mut state = peripherals.lock();
             state.mute_resistor_missing = options.mute_resistor_missing;
             state.mute_fault = options.mute_fault;
+            state.read_protection = options.read_protection;
             state.analogue = options.analogue;
             state.mute();
         }
@@ -231,10 +235,12 @@ impl SimulatedDevice {
         device
     }
 
-    /// Resets the device: the flash and the record of crashes are kept, the remaining state restarts, and
+    /// Resets the device: the flash, the option bytes and the record of crashes are kept, the remaining state restarts, and
     /// the index starts from 0.
     pub fn restart(&mut self, cause: ResetCause) {
-        let options = Options { flash: self.flash(), first_index: 0, ..self.options.clone() };
+        let brown_out_guarded = self.peripherals.lock().brown_out_guarded;
+        let flash = self.flash();
+        let options = Options { flash, brown_out_guarded, first_index: 0, ..self.options.clone() };
         let kept = if cause == ResetCause::PowerOn { None } else { Some(self.kept.clone()) };
         let (boot, kept) = boot::decide(cause, kept);
         let inputs = self.peripherals.lock().inputs.take().and_then(Inputs::into_source);
@@ -290,6 +296,9 @@ impl SimulatedDevice {
             self.now = self.now.saturating_add(BLOCK as u64);
             self.poll_link();
             self.supervise();
+            if self.peripherals.lock().restarts {
+                self.restart(ResetCause::Software);
+            }
         }
     }
 

@@ -16,7 +16,7 @@ use slipline_app::ports::{
 use slipline_app::safety::fade::fade;
 use slipline_app::store::SLOT_BYTES;
 use slipline_protocol::board::{
-    Analogue, BoardReport, MuteFall, MuteResistor, MuteTrial, PinLevel, StopInput, UserButton,
+    Analogue, BoardReport, BrownOut, MuteFall, MuteResistor, MuteTrial, PinLevel, StopInput, UserButton,
 };
 
 /// Erase cycles of each slot, as guaranteed by the data sheets of the boards' chips.
@@ -87,6 +87,9 @@ pub(super) struct PeripheralState {
     pub(super) inputs: Option<Inputs>,
     pub(super) flash: MemoryFlash,
     pub(super) brown_out_guarded: bool,
+    pub(super) read_protection: u8,
+    /// The device restarts with the brown-out level that it has written.
+    pub(super) restarts: bool,
     pub(super) mute_resistor_missing: bool,
     pub(super) mute_fault: Option<MuteFault>,
     /// The device is on the bench: the stop input is watched while the pin is low.
@@ -418,6 +421,24 @@ impl System for Peripherals {
         let mut state = self.lock();
         state.is_stop_fitted = is_fitted;
         state.break_if_open();
+    }
+
+    /// As on an F407, whose level 2 guards its board (FLASH_OPTCR: BOR_LEV in bits 2 and 3 counts down, RDP is the second byte).
+    fn brown_out(&self) -> Option<BrownOut> {
+        let state = self.lock();
+        let (needed, read_protection) = (2, state.read_protection);
+        let level = if state.brown_out_guarded { needed } else { 0 };
+        let options = 0x0fff_00e0 | u32::from(read_protection) << 8 | u32::from(3 - level) << 2;
+        Some(BrownOut { level, needed, options, read_protection, restarts: false })
+    }
+
+    fn raise_brown_out_level(&mut self) -> Result<(), FlashError> {
+        self.lock().brown_out_guarded = true;
+        Ok(())
+    }
+
+    fn restart(&mut self) {
+        self.lock().restarts = true;
     }
 
     fn enter_bootloader(&mut self) {
