@@ -49,6 +49,19 @@ choices! {
     }
 }
 
+choices! {
+    /// What times the device's samples.
+    #[derive(Default)]
+    pub enum SampleClock {
+        /// The board's crystal, or what feeds the chip in its place.
+        #[default]
+        0 since 0 Exact,
+        /// That was absent at the start. The chip's internal oscillator, some per cent off, lets the device answer; it cannot be armed
+        /// until a reset finds the clock.
+        1 since 0 Internal,
+    }
+}
+
 body! {
     /// The body of [`Event::Board`](crate::Event::Board).
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,6 +76,8 @@ body! {
         pub stop_input: StopInput [""],
         /// There is a trigger input: drives may wait for it.
         pub trigger_input: bool [""],
+        /// What times its samples.
+        pub sample_clock: SampleClock [""],
     }
 }
 

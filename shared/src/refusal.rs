@@ -254,6 +254,8 @@ choices! {
             /// The time after which one more is stored.
             wait_s: u16 ["s"],
         } or Self::StoreFailed,
+        /// The clock that times the samples was absent at the start: the device answers and cannot be armed. Restore the clock and reset.
+        29 since 3 NoClock or Self::NotSupported,
     }
 }
 
@@ -359,6 +361,9 @@ impl core::fmt::Display for Refusal {
             Self::SilentTone { slot } => write!(f, "no tone sounds in slot {slot}"),
             Self::HoldButton => f.write_str(
                 "press and hold the user button on the board while this is done (after 30 s press it again)",
+            ),
+            Self::NoClock => f.write_str(
+                "the clock that times the device's samples is absent: power the board's ST-LINK, and reset the board",
             ),
             Self::StoresSpent { wait_s } => write!(
                 f,

@@ -28,6 +28,7 @@ FAULT = Enumeration(
     "DeskStop",  # since 1.3
     "ProfileFellBack",  # since 1.3
 )  # fmt: skip
+SAMPLE_CLOCK = Enumeration("SampleClock", "Exact", "Internal")  # since 1.3
 MUTE_RESISTOR = Enumeration("MuteResistor", "NotLooked", "Present", "Missing")  # since 1.3
 USER_BUTTON = Enumeration("UserButton", "None", "Released", "Pressed")  # since 1.3
 STOP_INPUT = Enumeration("StopInput", "Unused", "Closed", "Open", "NotInProfile")  # since 1.3
@@ -73,6 +74,7 @@ REFUSAL = Enumeration(
     ("SilentTone", {"slot": U8}),  # since 1.3
     "HoldButton",  # since 1.3
     ("StoresSpent", {"wait_s": U16}),  # since 1.3
+    "NoClock",  # since 1.3
 )
 RESET_CAUSE = Enumeration("ResetCause", "PowerOn", "Pin", "Software", "Watchdog", "BrownOut", "Panic", "HardFault")
 STATE = Enumeration(
@@ -474,6 +476,7 @@ class BoardEvent(Record):
     user_button: Choice = field(USER_BUTTON)
     stop_input: Choice = field(STOP_INPUT)
     trigger_input: bool = field(BOOL)
+    sample_clock: Choice = field(SAMPLE_CLOCK)
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@
 //! | `map_system_memory()` | maps the ROM bootloader's vectors to address 0, as a boot from ROM does |
 //! | `stop_usb_clocks()` | switches off, before the reset into the ROM bootloader, what the ROM's USB could not start with |
 //! | `take(..)` | sorts the peripherals by their use, and mutes the amplifier |
+//! | `has_clock()` | whether the clock that times the samples runs; a board that waits for it at the start always has it |
 //! | `guard_clock()`, `take_clock_failure()` | the clock security system: switches it on; whether it has found a failure |
 //! | `set_debug_freezes()` | what stands still while a debugger has halted the core |
 //! | `take_reset_flags()`, `chip()` | the reset's cause; the chip's device id and revision |

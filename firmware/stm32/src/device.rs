@@ -14,7 +14,7 @@ use slipline_app::listening::listener::Listener;
 use slipline_app::planning::chord::Candidate;
 use slipline_app::ports::{
     Analogue, BoardReport, BrownOut, ClockReport, CycleCounter, FlashError, MuteFall, MuteResistor,
-    MuteTrial, PinLevel, RendererPorts, SampleIndex, StopInput, System,
+    MuteTrial, PinLevel, RendererPorts, SampleClock, SampleIndex, StopInput, System,
 };
 use slipline_app::safety::boot::{Boot, STABLE_AFTER_MS};
 use slipline_app::{Device, Link, Mailbox, Renderer, Supervisor, Timing, release};
@@ -136,6 +136,8 @@ fn main() -> ! {
 
     let lamp = if boot.safe_mode {
         Some(Lamp::SafeMode)
+    } else if !board::has_clock() {
+        Some(Lamp::NoClock)
     } else if !has_mute_resistor {
         Some(Lamp::NoMuteResistor)
     } else if board::is_brown_out_guarded() {
@@ -293,6 +295,7 @@ impl System for Facts {
                 FoundStopInput::Fitted => StopInput::Closed,
             },
             trigger_input: self.has_trigger_input(),
+            sample_clock: if board::has_clock() { SampleClock::Exact } else { SampleClock::Internal },
         }
     }
 

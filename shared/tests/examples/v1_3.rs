@@ -4,7 +4,7 @@ use super::Example;
 use heapless::Vec;
 use slipline_protocol::board::{
     Analogue, BoardReport, BrownOut, BrownOutOrder, ClockReport, MuteFall, MutePin, MuteResistor, MuteStep, MuteTrial, PinLevel,
-    StopInput, UsbFrame, UserButton,
+    SampleClock, StopInput, UsbFrame, UserButton,
 };
 use slipline_protocol::command::{Apply, ArmLease, Comb, CombTone, ProfileSetting};
 use slipline_protocol::event::{
@@ -235,6 +235,7 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         user_button: UserButton::Released,
         stop_input: StopInput::Closed,
         trigger_input: true,
+        sample_clock: SampleClock::Exact,
     };
     let bare = BoardReport {
         core_hz: u32::MAX,
@@ -242,6 +243,7 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         user_button: UserButton::Pressed,
         stop_input: StopInput::NotInProfile,
         trigger_input: true,
+        sample_clock: SampleClock::Internal,
     };
     let analogue = Analogue {
         reference_mv: 3302,
@@ -371,6 +373,7 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
     events.extend(held().map(|(label, event)| (label.to_owned(), event)));
     events.push(("refused-holding".to_owned(), Event::Refused(Refusal::Busy(Busy::Holding))));
     events.push(("refused-hold-button".to_owned(), Event::Refused(Refusal::HoldButton)));
+    events.push(("refused-no-clock".to_owned(), Event::Refused(Refusal::NoClock)));
     events.push(("refused-stores-spent".to_owned(), Event::Refused(Refusal::StoresSpent { wait_s: 60 })));
     events.push(("refused-silent-tone".to_owned(), Event::Refused(Refusal::SilentTone { slot: 7 })));
     for (label, field) in fields {

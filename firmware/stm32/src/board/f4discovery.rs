@@ -190,6 +190,11 @@ pub(crate) fn take(p: Peripherals) -> Board {
     }
 }
 
+/// The start waits for the crystal.
+pub(crate) const fn has_clock() -> bool {
+    true
+}
+
 /// RCC_CR.CSSON: if the crystal stops, the internal oscillator takes over, the mute timer gets a break, and the NMI comes
 /// (RM0090 7.2.7).
 pub(crate) fn guard_clock() {

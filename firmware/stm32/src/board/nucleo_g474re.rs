@@ -300,6 +300,11 @@ impl Link {
     }
 }
 
+/// The start waits for the crystal.
+pub(crate) const fn has_clock() -> bool {
+    true
+}
+
 /// RCC_CR.CSSON: if the crystal stops, the internal oscillator takes over, the mute timer gets a break, and the NMI comes
 /// (RM0440 7.2.10; the failure is one of the break's internal sources, 28.3.18).
 pub(crate) fn guard_clock() {

@@ -27,7 +27,7 @@ use slipline_app::safety::boot::{self, Boot};
 use slipline_app::safety::thermal::Heat;
 use slipline_app::timing::TICK_BLOCKS;
 use slipline_app::{CrashRecord, Device, Link, Renderer, Supervisor, Timing, release};
-use slipline_protocol::board::Analogue;
+use slipline_protocol::board::{Analogue, SampleClock};
 use slipline_protocol::event::ResetCause;
 use slipline_protocol::units::SampleIndex;
 
@@ -58,6 +58,8 @@ pub struct Options {
     pub read_protection: u8,
     /// Whether its mute pin lacks its resistor, so that its amplifier stays muted.
     pub mute_resistor_missing: bool,
+    /// What times its samples.
+    pub sample_clock: SampleClock,
     /// What it reports of its supply. Its DAC's output clips beyond the linear share that stands here.
     pub analogue: Analogue,
     /// The wires between its pins.
@@ -80,6 +82,7 @@ impl Default for Options {
             brown_out_guarded: true,
             read_protection: 0xaa,
             mute_resistor_missing: false,
+            sample_clock: SampleClock::Exact,
             analogue: Analogue { reference_mv: 3300, linear_per_mille: 1000, ..Analogue::default() },
             wires: Wires::default(),
             mute_fault: None,
@@ -176,6 +179,7 @@ impl SimulatedDevice {
         {
             let mut state = peripherals.lock();
             state.mute_resistor_missing = options.mute_resistor_missing;
+            state.sample_clock = options.sample_clock;
             state.mute_fault = options.mute_fault;
             state.read_protection = options.read_protection;
             state.analogue = options.analogue;

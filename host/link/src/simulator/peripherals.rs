@@ -16,7 +16,7 @@ use slipline_app::ports::{
 use slipline_app::safety::fade::fade;
 use slipline_app::store::SLOT_BYTES;
 use slipline_protocol::board::{
-    Analogue, BoardReport, BrownOut, MuteFall, MuteResistor, MuteTrial, PinLevel, StopInput, UserButton,
+    Analogue, BoardReport, BrownOut, MuteFall, MuteResistor, MuteTrial, PinLevel, SampleClock, StopInput, UserButton,
 };
 
 /// Erase cycles of each slot, as guaranteed by the data sheets of the boards' chips.
@@ -91,6 +91,7 @@ pub(super) struct PeripheralState {
     /// The device restarts with the brown-out level that it has written.
     pub(super) restarts: bool,
     pub(super) mute_resistor_missing: bool,
+    pub(super) sample_clock: SampleClock,
     pub(super) mute_fault: Option<MuteFault>,
     /// The device is on the bench: the stop input is watched while the pin is low.
     on_bench: bool,
@@ -394,6 +395,7 @@ impl System for Peripherals {
                 (Some(false) | None, _) => StopInput::Unused,
             },
             trigger_input: self.has_trigger_input(),
+            sample_clock: state.sample_clock,
         }
     }
 
