@@ -301,6 +301,11 @@ class Client:
         """Sample index, cycle counter and USB frame at one moment. Raises `SliplineError` with a device older than 1.3."""
         return self._request("Clock", "Clock")[1]
 
+    def stall(self) -> int:
+        """Stops the DAC's DMA for 1 ms, on the bench: the fault `Underrun` follows. Raises `SliplineError` with a device older than
+        1.3."""
+        return self._accepted("Stall")
+
     def profile(self) -> ProfileEvent:
         """The profile of the actuator that is in force. Raises `SliplineError` with a device older than 1.3."""
         return self._request("Profile", "Profile")[1]

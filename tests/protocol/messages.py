@@ -669,6 +669,7 @@ COMMANDS = {
         Kind(0x08, "Analogue", since=3),
         Kind(0x09, "MutePin", Fields(MuteStep), since=3),
         Kind(0x0A, "Clock", since=3),
+        Kind(0x0B, "Stall", since=3),
         Kind(0x10, "Arm"),
         Kind(0x11, "Disarm"),
         Kind(0x12, "Drive", Fields(Drive)),

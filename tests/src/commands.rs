@@ -34,6 +34,7 @@ pub fn every_command() -> Vec<Command> {
         Command::Analogue,
         Command::MutePin(MuteStep::default()),
         Command::Clock,
+        Command::Stall,
         Command::Arm,
         Command::Disarm,
         Command::Drive(drive(&[(0, 0.1, 0.2), (3, 0.9, 0.3)], 3000)),

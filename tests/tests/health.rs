@@ -331,6 +331,7 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             Command::Arm
             | Command::ArmFor(_)
             | Command::Bench(_)
+            | Command::Stall
             | Command::Drive(_)
             | Command::Chord(_)
             | Command::Comb(_) => event == Event::Refused(Refusal::Faulted { faults }),

@@ -265,6 +265,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::Analogue => Ok(Event::Analogue(self.system.analogue())),
             Command::MutePin(step) => self.mute_pin(*step, mailbox).map(Event::MutePin),
             Command::Clock => Ok(Event::Clock(self.system.clock(&|| mailbox.now()))),
+            Command::Stall => self.stall(mailbox).map(accepted),
             Command::Profile => Ok(Event::Profile(self.bounds.report())),
             Command::WriteProfile(setting) => self.write_profile(setting, mailbox),
             Command::BrownOut(order) => self.brown_out(*order, mailbox).map(Event::BrownOut),

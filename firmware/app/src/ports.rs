@@ -325,6 +325,11 @@ pub trait System {
         None
     }
 
+    /// Stops the DAC's DMA for a millisecond; false where the device cannot. Called on the bench.
+    fn stall(&mut self) -> bool {
+        false
+    }
+
     /// The device's clocks at one moment; `now` is the present index. It may wait for the next block.
     fn clock(&self, now: &dyn Fn() -> SampleIndex) -> ClockReport {
         ClockReport { at: now(), ..ClockReport::default() }

@@ -318,6 +318,11 @@ impl System for Facts {
         mute::attempt(trial)
     }
 
+    fn stall(&mut self) -> bool {
+        dac::stall();
+        true
+    }
+
     fn clock(&self, now: &dyn Fn() -> SampleIndex) -> ClockReport {
         let before = now();
         // The renderer moves the index on, and the thread sees that when the renderer's turn is over.

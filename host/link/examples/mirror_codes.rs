@@ -69,6 +69,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     | Command::Analogue
                     | Command::MutePin(_)
                     | Command::Clock
+                    | Command::Stall
                     | Command::WriteProfile(_)
                     | Command::BrownOut(_)
                     | Command::Arm

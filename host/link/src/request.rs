@@ -72,6 +72,9 @@ pub enum Request {
     ReadBoard,
     /// Read the device's clocks at one moment; [`DeviceView::clock`](crate::snapshot::DeviceView::clock) has the answer.
     ReadClock,
+    /// Stop the DAC's DMA for a millisecond, on the bench: the device must notice, with the fault
+    /// [`Underrun`](slipline_protocol::event::Fault::Underrun), and recover.
+    Stall,
     /// Read the level of the brown-out reset, or write the one that the board needs into the chip's option bytes;
     /// [`DeviceView::brown_out`](crate::snapshot::DeviceView::brown_out) has the answer. Written only when disarmed and silent, and
     /// while the board's user button is held; then the device restarts.
@@ -114,6 +117,7 @@ impl Request {
             Self::MutePin(_) => "mute pin",
             Self::ReadBoard => "board",
             Self::ReadClock => "clocks",
+            Self::Stall => "stall",
             Self::BrownOut(_) => "brown-out level",
             Self::Refresh => "status",
             Self::AutoReconnect(_) => "reconnect switch",

@@ -68,6 +68,7 @@ pub(crate) fn commands() -> std::vec::Vec<Example<Command>> {
         ("mute-pin-lapse", Command::MutePin(MuteStep { trial: MuteTrial::Lapse })),
         ("mute-pin-break", Command::MutePin(MuteStep { trial: MuteTrial::Break })),
         ("clock", Command::Clock),
+        ("stall", Command::Stall),
         ("brown-out", Command::BrownOut(BrownOutOrder { is_written: false })),
         ("brown-out-write", Command::BrownOut(BrownOutOrder { is_written: true })),
         ("bench", Command::Bench(ArmLease { lease_ms: 60_000 })),

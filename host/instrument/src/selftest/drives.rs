@@ -1,10 +1,11 @@
-//! Steps by drives on the bench: load, codes, and trigger output to trigger input.
+//! Steps by drives on the bench: load, codes, trigger output to trigger input, and that after a stall of the DMA.
 
 use super::course::{Course, SENSOR, SPAN_M, TRIES, reading};
 use super::limits::step;
 use super::report::StepResult;
 use crate::measure::{MeasureError, ended_by, is_late};
 use slipline_link::protocol::command::{Apply, DigestWindow};
+use slipline_link::protocol::event::Fault;
 use slipline_link::protocol::frame::CRC;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_link::{
@@ -158,6 +159,46 @@ impl Course {
     /// Begins a drive by the device's own trigger output, which rises on the bench where a drive begins to wait.
     pub(super) async fn trigger(&self) -> Result<StepResult, MeasureError> {
         let name = step::TRIGGER;
+        Ok(match self.triggered().await? {
+            None => StepResult::failed(
+                name,
+                "The trigger output's rise began no drive: look at the wire from the trigger output to the trigger input.",
+            ),
+            Some(samples) => {
+                let readings = vec![reading(name, "trigger delay", samples)];
+                StepResult::judged(name, readings, "A rise of the trigger input begins a drive in time.")
+            }
+        })
+    }
+
+    /// Stops the DAC's DMA, and begins a drive by the trigger output after it: does the output rise as before?
+    pub(super) async fn stall(&self) -> Result<StepResult, MeasureError> {
+        let name = step::STALL;
+        self.dialogue.stop().await?;
+        self.dialogue.done(Request::Stall).await?;
+        self.dialogue.past(self.dialogue.now() + self.samples(TRIGGERED_S)).await?;
+        let is_noticed = self.faults().contains(Fault::Underrun);
+        let mut readings = vec![reading(name, "stall unnoticed", f64::from(u8::from(!is_noticed)))];
+        if is_noticed {
+            self.dialogue.done(Request::ClearFaults).await?;
+            self.idle().await?;
+            self.dialogue.arm(false).await?;
+        }
+        match self.triggered().await? {
+            None => {
+                Ok(StepResult::failed(name, "After a stall of the DMA the trigger output's rise began no drive."))
+            }
+            Some(samples) => {
+                readings.push(reading(name, "trigger delay after a stall", samples));
+                let good = "A stall of the DMA is noticed, and the trigger output rises as before after it.";
+                Ok(StepResult::judged(name, readings, good))
+            }
+        }
+    }
+
+    /// Begins a drive by the device's own trigger output; the samples from the first that may begin it to the one that does, or
+    /// `None` if nothing has begun.
+    async fn triggered(&self) -> Result<Option<f64>, MeasureError> {
         self.dialogue.stop().await?;
         let began = |snapshot: &Snapshot| snapshot.drive.trigger.and_then(|report| report.began);
         let before = self.dialogue.seen(began).flatten();
@@ -171,17 +212,8 @@ impl Course {
         }
         let since = self.dialogue.seen(began).flatten();
         self.dialogue.stop().await?;
-        match since.filter(|at| Some(*at) != before && *at >= waits) {
-            None => Ok(StepResult::failed(
-                name,
-                "The trigger output's rise began no drive: look at the wire from the trigger output to the trigger input.",
-            )),
-            Some(at) => {
-                let samples = (at - waits + EARLY) as f64;
-                let readings = vec![reading(name, "trigger delay", samples)];
-                Ok(StepResult::judged(name, readings, "A rise of the trigger input begins a drive in time."))
-            }
-        }
+        let at = since.filter(|at| Some(*at) != before && *at >= waits);
+        Ok(at.map(|at| (at - waits + EARLY) as f64))
     }
 }
 

@@ -8,8 +8,8 @@ use slipline_link::protocol::board::{BoardReport, ClockReport, UsbFrame};
 use slipline_link::simulator::{MuteFault, Options, SimulatedDevice};
 
 /// The steps by drives.
-const DRIVEN: [&str; 6] =
-    [step::DAC_TO_ADC, step::DELAY, step::NOISE, step::LOAD, step::CODES, step::TRIGGER];
+const DRIVEN: [&str; 7] =
+    [step::DAC_TO_ADC, step::DELAY, step::NOISE, step::LOAD, step::CODES, step::TRIGGER, step::STALL];
 
 /// A device with a fault.
 fn with(change: impl FnOnce(&mut Options)) -> SimulatedDevice {
@@ -99,7 +99,7 @@ const CASES: &[Case] = &[
             Desk::new(SimulatedDevice::with_inputs(options, Box::new(FaultyWire::good())), None)
         },
         &[step::TRIGGER],
-        &[],
+        &[step::STALL],
     ),
     (
         "block of the inputs lost under load",
@@ -127,7 +127,7 @@ const CASES: &[Case] = &[
             desk
         },
         &[step::CODES],
-        &[step::TRIGGER, step::MUTE_TIME],
+        &[step::TRIGGER, step::STALL, step::MUTE_TIME],
     ),
     (
         "stuck button",
@@ -139,7 +139,7 @@ const CASES: &[Case] = &[
             desk
         },
         &[step::BUTTONS],
-        &[step::MUTE_TIME, DRIVEN[0], DRIVEN[1], DRIVEN[2], DRIVEN[3], DRIVEN[4], DRIVEN[5], step::STORE],
+        &[step::MUTE_TIME, DRIVEN[0], DRIVEN[1], DRIVEN[2], DRIVEN[3], DRIVEN[4], DRIVEN[5], DRIVEN[6], step::STORE],
     ),
 ];
 

@@ -250,6 +250,7 @@ impl CommandQueue {
             | Command::Analogue
             | Command::MutePin(_)
             | Command::Clock
+            | Command::Stall
             | Command::BrownOut(_)
             | Command::SetTravelLimit(_)
             | Command::TravelLimit

@@ -419,6 +419,12 @@ impl System for Peripherals {
         Some(MuteFall { low_after_us, within_us: 0 })
     }
 
+    /// The next block is late.
+    fn stall(&mut self) -> bool {
+        self.lock().underrun = true;
+        true
+    }
+
     fn fit_stop_input(&mut self, is_fitted: Option<bool>) {
         let mut state = self.lock();
         state.is_stop_fitted = is_fitted;

@@ -76,6 +76,7 @@ fn every_request_arrives_as_it_was_sent() {
         Request::Forget,
         Request::WriteProfile(Box::new(None)),
         Request::Bootloader,
+        Request::Stall,
         Request::BrownOut(BrownOutOrder { is_written: true }),
         Request::Refresh,
         Request::AutoReconnect(true),

@@ -111,6 +111,7 @@ fn commands() -> Vec<(Command, [Fate; 3])> {
         Command::Analogue = Command::Analogue, Kept, Kept, Kept;
         Command::MutePin(_) = Command::MutePin(MuteStep::default()), Kept, Kept, Kept;
         Command::Clock = Command::Clock, Kept, Kept, Kept;
+        Command::Stall = Command::Stall, Kept, Kept, Kept;
         Command::WriteProfile(_) = Command::WriteProfile(ProfileSetting::default()), Kept, Kept, Kept;
         Command::BrownOut(_) = Command::BrownOut(BrownOutOrder { is_written: true }), Kept, Kept, Kept;
         Command::Arm = Command::Arm, Kept, Dropped, Kept;
