@@ -92,6 +92,18 @@ def without_trigger_wire(rig):
     rig.board.pins.wires.clear()
 
 
+def lost_after_a_stall(rig):
+    """As on an F407 whose stall is not mended: the trigger output does not rise any more."""
+    dac = rig.board.dac
+    underrun = dac.underrun
+
+    def and_lost():
+        underrun()
+        rig.board.pins.wires.clear()
+
+    dac.underrun = and_lost
+
+
 def reference(volts):
     def plant(rig):
         rig.board.adc.reference_volts = volts
@@ -138,6 +150,7 @@ FAULTS = (
     Fault("wire at the shunt's pin", ["DAC to ADC"], ["delay", "noise"], plant=reads(lambda code: (MID, code))),
     Fault("noisy reference", ["noise"], plant=reads(lambda code: (code, MID), noise=4)),
     Fault("lost trigger edge", ["trigger"], ["stall"], plant=without_trigger_wire),
+    Fault("trigger lost after a stall", ["stall"], plant=lost_after_a_stall),
     Fault("stuck button", ["buttons"], DRIVEN, then=stuck_button),
 )
 # Those that the gate plants in the F407, all at once; the night plants all in all boards, one by one.

@@ -61,11 +61,6 @@ mod nucleo_h743zi2;
 #[cfg(feature = "board-nucleo-h743zi2")]
 pub(crate) use nucleo_h743zi2::*;
 
-/// Whether the brown-out reset level is set as the board needs it.
-pub(crate) fn is_brown_out_guarded() -> bool {
-    crate::store::brown_out_level() >= BROWN_OUT_LEVEL
-}
-
 pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;
 // One code per timer period, exactly.
 const _: () = assert!(SAMPLE_RATE_HZ * TIMER_PERIOD as u32 == TIMER_HZ);

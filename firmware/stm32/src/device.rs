@@ -3,7 +3,7 @@
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 
-use cortex_m::peripheral::DWT;
+use cortex_m::peripheral::{DWT, SCB};
 use embassy_executor::{Executor, InterruptExecutor};
 use embassy_stm32::gpio::{Flex, Output, Pull};
 use embassy_stm32::interrupt::{self, InterruptExt};
@@ -140,7 +140,7 @@ fn main() -> ! {
         Some(Lamp::NoClock)
     } else if !has_mute_resistor {
         Some(Lamp::NoMuteResistor)
-    } else if board::is_brown_out_guarded() {
+    } else if store::is_brown_out_guarded() {
         None
     } else {
         Some(Lamp::NoBrownOutLevel)
@@ -278,7 +278,7 @@ impl System for Facts {
     }
 
     fn is_brown_out_guarded(&self) -> bool {
-        board::is_brown_out_guarded()
+        store::is_brown_out_guarded()
     }
 
     fn board(&self) -> BoardReport {
@@ -356,7 +356,9 @@ impl System for Facts {
     }
 
     fn restart(&mut self) {
-        store::restart()
+        crash::silence();
+        store::load_options();
+        SCB::sys_reset();
     }
 
     fn enter_bootloader(&mut self) {

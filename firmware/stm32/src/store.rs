@@ -22,7 +22,9 @@ use embassy_stm32::peripherals::FLASH;
 use slipline_app::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
 
 pub(crate) use self::chip::on_nmi;
-pub(crate) use self::options::{brown_out, brown_out_level, raise_brown_out_level, restart};
+pub(crate) use self::options::{
+    brown_out, brown_out_level, is_brown_out_guarded, load_options, raise_brown_out_level,
+};
 use crate::{board, dac, watchdog};
 
 /// Erasures of each sector or page that the data sheets promise over the whole range of temperature: the least in the

@@ -3,8 +3,6 @@
 use embassy_stm32::pac::FLASH;
 use embassy_stm32::pac::flash::vals::Psize;
 
-use super::options::KEYS;
-
 // FLASH_OPTCR (RM0090 3.9.9): its lock, its start, BOR_LEV, RDP from bit 8 on; all but the first two are option bits.
 const OPTLOCK: u32 = 1 << 0;
 const OPTSTRT: u32 = 1 << 1;
@@ -66,10 +64,10 @@ pub(super) const fn read_protection_of(options: u32) -> u8 {
 
 /// Writes the option bits (RM0090 3.6.5); returns whether the flash reports no error. It erases their sector first, and then writes all
 /// of them.
-pub(super) fn write_options(wanted: u32) -> bool {
+pub(super) fn write_options(keys: [u32; 2], wanted: u32) -> bool {
     FLASH.sr().write(|w| w.0 = RESULTS);
     if FLASH.optcr().read().0 & OPTLOCK != 0 {
-        KEYS.map(|key| FLASH.optkeyr().write_value(key));
+        keys.map(|key| FLASH.optkeyr().write_value(key));
     }
     FLASH.optcr().write(|w| w.0 = wanted);
     FLASH.optcr().write(|w| w.0 = wanted | OPTSTRT);
@@ -80,4 +78,4 @@ pub(super) fn write_options(wanted: u32) -> bool {
 }
 
 /// Nothing to do: the release of any reset loads FLASH_OPTCR from the flash (RM0090 3.9.9).
-pub(super) const fn load_options() {}
+pub(super) const fn load_options(_: [u32; 2]) {}

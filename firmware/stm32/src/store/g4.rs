@@ -6,7 +6,6 @@
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use embassy_stm32::pac::FLASH;
 
-use super::options::KEYS;
 use crate::board;
 
 // FLASH_CR (RM0440 3.7.5).
@@ -77,22 +76,22 @@ pub(super) const fn read_protection_of(options: u32) -> u8 {
 }
 
 /// FLASH_CR's option bits are behind both locks. A key that is written to an open lock would close it until the next reset.
-fn unlock() {
+fn unlock(keys: [u32; 2]) {
     if FLASH.cr().read().0 & LOCK != 0 {
         FLASH.keyr().write_value(0x4567_0123);
         FLASH.keyr().write_value(0xcdef_89ab);
     }
     if FLASH.cr().read().0 & OPTLOCK != 0 {
-        KEYS.map(|key| FLASH.optkeyr().write_value(key));
+        keys.map(|key| FLASH.optkeyr().write_value(key));
     }
 }
 
 /// Writes the option bytes (RM0440 3.4.2); returns whether the flash reports no error. It erases all of them first, and then writes
 /// them from its registers. They are loaded by OBL_LAUNCH or a power-on.
-pub(super) fn write_options(wanted: u32) -> bool {
+pub(super) fn write_options(keys: [u32; 2], wanted: u32) -> bool {
     while FLASH.sr().read().bsy() {}
     FLASH.sr().write(|w| w.0 = RESULTS);
-    unlock();
+    unlock(keys);
     FLASH.optr().write(|w| w.0 = wanted);
     FLASH.cr().modify(|w| w.0 |= OPTSTRT);
     while FLASH.sr().read().bsy() {}
@@ -103,8 +102,8 @@ pub(super) fn write_options(wanted: u32) -> bool {
 
 /// Loads the option bytes, which resets the chip (RM0440 3.4.2, 7.1.2): a system reset alone does not load them. Should it not come within
 /// 10 ms, the caller's reset does.
-pub(super) fn load_options() {
-    unlock();
+pub(super) fn load_options(keys: [u32; 2]) {
+    unlock(keys);
     FLASH.cr().modify(|w| w.0 |= OBL_LAUNCH);
     cortex_m::asm::delay(board::CORE_HZ / 100);
 }

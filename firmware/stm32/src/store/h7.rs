@@ -6,8 +6,6 @@
 use cortex_m::peripheral::SCB;
 use embassy_stm32::pac::FLASH;
 
-use super::options::KEYS;
-
 // FLASH_OPTCR, FLASH_OPTSR_CUR and FLASH_OPTSR_PRG (RM0433 4.9.7 to 4.9.9).
 const OPTLOCK: u32 = 1 << 0;
 const OPTSTART: u32 = 1 << 1;
@@ -86,10 +84,10 @@ pub(super) const fn read_protection_of(options: u32) -> u8 {
 
 /// Writes the option bytes (RM0433 4.4.3); returns whether the flash reports no error. What is not programmed by FLASH_OPTSR_PRG is
 /// written as its own register has it from the reset. An old error would refuse the start, so it is cleared first.
-pub(super) fn write_options(wanted: u32) -> bool {
+pub(super) fn write_options(keys: [u32; 2], wanted: u32) -> bool {
     FLASH.optccr().write(|w| w.0 = OPTCHANGEERR);
     if FLASH.optcr().read().0 & OPTLOCK != 0 {
-        KEYS.map(|key| FLASH.optkeyr().write(|w| w.0 = key));
+        keys.map(|key| FLASH.optkeyr().write(|w| w.0 = key));
     }
     // The bits that PRG lacks (PERSO_OK) stay as they are in it.
     FLASH.optsr_prg().modify(|w| w.0 = w.0 & !BROWN_OUT | wanted & BROWN_OUT);
@@ -101,4 +99,4 @@ pub(super) fn write_options(wanted: u32) -> bool {
 }
 
 /// Nothing to do: FLASH_OPTSR_CUR has them at the end of the write (RM0433 4.4.3).
-pub(super) const fn load_options() {}
+pub(super) const fn load_options(_: [u32; 2]) {}

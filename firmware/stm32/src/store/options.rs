@@ -7,14 +7,18 @@
 //! written the F407's processor stops, as in an erasure of its flash, so the watchdog's period is that of an erasure. What a power cut
 //! inside the write leaves is in BOARDS.md.
 
-use cortex_m::peripheral::SCB;
 use slipline_app::ports::{BrownOut, FlashError};
 
 use super::chip;
-use crate::{board, crash, dac, watchdog};
+use crate::{board, dac, watchdog};
 
 /// The keys of FLASH_OPTKEYR, the same on all three chips (RM0090 3.6.5, RM0440 3.4.2, RM0433 FLASH_OPTKEYR).
-pub(super) const KEYS: [u32; 2] = [0x0819_2a3b, 0x4c5d_6e7f];
+const KEYS: [u32; 2] = [0x0819_2a3b, 0x4c5d_6e7f];
+
+/// Whether the level is set as the board needs it.
+pub(crate) fn is_brown_out_guarded() -> bool {
+    brown_out_level() >= board::BROWN_OUT_LEVEL
+}
 
 /// The level that is set, counted from the lowest threshold.
 pub(crate) fn brown_out_level() -> u8 {
@@ -37,13 +41,11 @@ pub(crate) fn brown_out() -> BrownOut {
 pub(crate) fn raise_brown_out_level() -> Result<(), FlashError> {
     let wanted = chip::options() & !chip::BROWN_OUT | chip::bits_of(board::BROWN_OUT_LEVEL);
     watchdog::lengthen();
-    let is_written = dac::paused(|| chip::write_options(wanted));
+    let is_written = dac::paused(|| chip::write_options(KEYS, wanted));
     if is_written && chip::options() == wanted { Ok(()) } else { Err(FlashError) }
 }
 
-/// Restarts the program, with the option bytes as they are now in the flash.
-pub(crate) fn restart() -> ! {
-    crash::silence();
-    chip::load_options();
-    SCB::sys_reset();
+/// Loads the option bytes from the flash, where a reset alone does not: resets the chip then. Interrupts are off.
+pub(crate) fn load_options() {
+    chip::load_options(KEYS);
 }

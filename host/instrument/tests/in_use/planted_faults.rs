@@ -5,6 +5,7 @@ use slipline_instrument::selftest::{SelftestReport, SelftestRequest, StepResult,
 use slipline_link::Request;
 use slipline_link::protocol::Event;
 use slipline_link::protocol::board::{BoardReport, ClockReport, UsbFrame};
+use slipline_link::protocol::event::TriggerReport;
 use slipline_link::simulator::{MuteFault, Options, SimulatedDevice};
 
 /// The steps by drives.
@@ -34,6 +35,18 @@ fn one_wrong_code() -> Alter {
                 is_planted = true;
             }
             Event::Digest(digest)
+        }
+        event => event,
+    })
+}
+
+/// Only the first rise of the trigger output begins a drive, as where a stall of the DMA is not mended.
+fn one_rise() -> Alter {
+    let mut first = None;
+    Box::new(move |event| match event {
+        Event::Trigger(report) => {
+            first = first.or(report.began);
+            Event::Trigger(TriggerReport { began: report.began.filter(|at| Some(*at) == first), ..report })
         }
         event => event,
     })
@@ -101,6 +114,7 @@ const CASES: &[Case] = &[
         &[step::TRIGGER],
         &[step::STALL],
     ),
+    ("trigger lost after a stall", || Desk::new(good(), Some(one_rise())), &[step::STALL], &[]),
     (
         "block of the inputs lost under load",
         || {
