@@ -46,8 +46,8 @@ messages! {
         0x09 since 3 MutePin(MuteStep) -> MutePin,
         /// Asks for the sample index, the processor's cycle counter and the USB's frame at one moment. It may take 2 ms.
         0x0a since 3 Clock -> Clock,
-        /// Stops the DAC's DMA for 1 ms, as a blocked bus would, to test that the device notices and recovers: the fault `Underrun`
-        /// follows. Only on the bench (`Bench`).
+        /// Stops the DAC's DMA for 1 ms, as a blocked bus would, to test that the device notices and recovers: it counts an
+        /// underrun, and has the fault `Underrun` where a tone sounded. Only on the bench (`Bench`).
         0x0b since 3 Stall -> Accepted,
         /// Unmutes the amplifier and accepts drives. Needs a device without latched faults. An armed device stays as it is, with
         /// its lease if it has one (`ArmFor`).

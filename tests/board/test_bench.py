@@ -100,12 +100,11 @@ def test_a_dma_that_is_stopped_on_the_bench_is_noticed_and_the_trigger_rises_as_
         host.accept("Bench", BENCH)
         host.live(0.01)
         if is_stalled:
+            before = host.status()["underruns"]
             host.accept("Stall")
             host.live(0.02)
-            assert host.status()["faults"] == {"underrun"}
-            host.accept("ClearFaults")
-            host.accept("Bench", BENCH)
-            host.live(0.01)
+            status = host.status()
+            assert (status["faults"], status["underruns"] > before) == (set(), True)
         waits = host.accept("Drive", drive([(0, 0.3, 0.6)], 2000, AT_TRIGGER))
         host.live(0.02)
         began.append(host.trigger()[1] - waits)

@@ -302,8 +302,7 @@ class Client:
         return self._request("Clock", "Clock")[1]
 
     def stall(self) -> int:
-        """Stops the DAC's DMA for 1 ms, on the bench: the fault `Underrun` follows. Raises `SliplineError` with a device older than
-        1.3."""
+        """Stops the DAC's DMA for 1 ms, on the bench: the device counts an underrun. Raises `SliplineError` with a device older than 1.3."""
         return self._accepted("Stall")
 
     def profile(self) -> ProfileEvent:

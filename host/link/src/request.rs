@@ -72,8 +72,7 @@ pub enum Request {
     ReadBoard,
     /// Read the device's clocks at one moment; [`DeviceView::clock`](crate::snapshot::DeviceView::clock) has the answer.
     ReadClock,
-    /// Stop the DAC's DMA for a millisecond, on the bench: the device must notice, with the fault
-    /// [`Underrun`](slipline_protocol::event::Fault::Underrun), and recover.
+    /// Stop the DAC's DMA for a millisecond, on the bench: the device must notice, which it shows by its count of underruns, and recover.
     Stall,
     /// Read the level of the brown-out reset, or write the one that the board needs into the chip's option bytes;
     /// [`DeviceView::brown_out`](crate::snapshot::DeviceView::brown_out) has the answer. Written only when disarmed and silent, and

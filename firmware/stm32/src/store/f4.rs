@@ -67,7 +67,9 @@ pub(super) const fn read_protection_of(options: u32) -> u8 {
 pub(super) fn write_options(keys: [u32; 2], wanted: u32) -> bool {
     FLASH.sr().write(|w| w.0 = RESULTS);
     if FLASH.optcr().read().0 & OPTLOCK != 0 {
-        keys.map(|key| FLASH.optkeyr().write_value(key));
+        for key in keys {
+            FLASH.optkeyr().write_value(key);
+        }
     }
     FLASH.optcr().write(|w| w.0 = wanted);
     FLASH.optcr().write(|w| w.0 = wanted | OPTSTRT);

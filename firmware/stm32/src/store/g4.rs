@@ -82,7 +82,9 @@ fn unlock(keys: [u32; 2]) {
         FLASH.keyr().write_value(0xcdef_89ab);
     }
     if FLASH.cr().read().0 & OPTLOCK != 0 {
-        keys.map(|key| FLASH.optkeyr().write_value(key));
+        for key in keys {
+            FLASH.optkeyr().write_value(key);
+        }
     }
 }
 

@@ -87,7 +87,9 @@ pub(super) const fn read_protection_of(options: u32) -> u8 {
 pub(super) fn write_options(keys: [u32; 2], wanted: u32) -> bool {
     FLASH.optccr().write(|w| w.0 = OPTCHANGEERR);
     if FLASH.optcr().read().0 & OPTLOCK != 0 {
-        keys.map(|key| FLASH.optkeyr().write(|w| w.0 = key));
+        for key in keys {
+            FLASH.optkeyr().write_value(key);
+        }
     }
     // The bits that PRG lacks (PERSO_OK) stay as they are in it.
     FLASH.optsr_prg().modify(|w| w.0 = w.0 & !BROWN_OUT | wanted & BROWN_OUT);

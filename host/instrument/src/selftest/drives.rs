@@ -1,11 +1,10 @@
-//! Steps by drives on the bench: load, codes, trigger output to trigger input, and that after a stall of the DMA.
+//! Steps by drives on the bench: load, codes, trigger output to trigger input, also after a stall of the DMA.
 
 use super::course::{Course, SENSOR, SPAN_M, TRIES, reading};
 use super::limits::step;
 use super::report::StepResult;
 use crate::measure::{MeasureError, ended_by, is_late};
 use slipline_link::protocol::command::{Apply, DigestWindow};
-use slipline_link::protocol::event::Fault;
 use slipline_link::protocol::frame::CRC;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_link::{
@@ -175,15 +174,14 @@ impl Course {
     pub(super) async fn stall(&self) -> Result<StepResult, MeasureError> {
         let name = step::STALL;
         self.dialogue.stop().await?;
+        // In silence, where an underrun is no fault. What a stop leaves to sound ends first.
+        self.dialogue.past(self.dialogue.now() + self.samples(TRIGGERED_S)).await?;
+        let before = self.dialogue.seen(lost);
         self.dialogue.done(Request::Stall).await?;
         self.dialogue.past(self.dialogue.now() + self.samples(TRIGGERED_S)).await?;
-        let is_noticed = self.faults().contains(Fault::Underrun);
+        let late = |seen: Option<(u32, u32)>| seen.map_or(0, |(_, late)| late);
+        let is_noticed = late(self.dialogue.seen(lost)) > late(before);
         let mut readings = vec![reading(name, "stall unnoticed", f64::from(u8::from(!is_noticed)))];
-        if is_noticed {
-            self.dialogue.done(Request::ClearFaults).await?;
-            self.idle().await?;
-            self.dialogue.arm(false).await?;
-        }
         match self.triggered().await? {
             None => {
                 Ok(StepResult::failed(name, "After a stall of the DMA the trigger output's rise began no drive."))
