@@ -153,6 +153,8 @@ def test_the_lamp_reports_that_the_brown_out_level_is_not_set(rig):
 def test_without_the_st_links_clock_it_answers_muted_and_cannot_be_armed(rig):
     """Nobody has powered CN1. The internal oscillators, some per cent off, keep the link; a reset with the clock is as ever."""
     rig.board.stop_crystal()
+    # The start waits for the clock for 100 ms, by a loop that takes up to five times as long.
+    rig.board.run(0.5)
     rig.host.connect()
     assert rig.board.crs.trims_by_otg_fs(), "USB full speed needs 0.25 %"
     assert rig.host.ask("Board").sample_clock.name == "Internal"

@@ -180,8 +180,8 @@ pub(crate) const DMA_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_STREAM0;
 
 /// Whether the ST-LINK's clock has come.
 static HAS_CLOCK: AtomicBool = AtomicBool::new(false);
-/// How long the start waits for it, in ms. The core has 64 MHz then.
-const CLOCK_MS: u32 = 200;
+/// How long the start waits for it at least, in ms. The core has 64 MHz then.
+const CLOCK_MS: u32 = 100;
 const START_HZ: u32 = 64_000_000;
 
 /// Whether the ST-LINK's clock runs: it was there at the start.
