@@ -5,7 +5,7 @@ cannot be corrected when it is read. `operations` counts erasures and words; `cu
 has it come just before.
 
 Of the option bytes (`options`) a program may change the level of the brown-out reset and nothing else: a wrong word may lock a
-chip for ever. Their register (`loaded`) has what was loaded last.
+chip for ever. Their register (`loaded`) has what was loaded last (`in_force`), or what a program has ordered since.
 """
 from unicorn import UC_HOOK_CODE, UC_HOOK_MEM_READ
 
@@ -37,7 +37,8 @@ class Flash:
         self.is_cache_stale = False
         self.are_options_locked, self.option_keys = True, []
         if self.loads_options(self.board.resets[-1] if self.board.resets else "power"):
-            self.loaded = self.options
+            self.in_force = self.options
+        self.loaded = self.in_force
 
     # --- option bytes
 
@@ -47,7 +48,7 @@ class Flash:
 
     def set_brown_out_bits(self, bits):
         """A chip that was delivered, or set up, like this."""
-        self.options = self.loaded = self.options & ~self.BROWN_OUT | bits
+        self.options = self.loaded = self.in_force = self.options & ~self.BROWN_OUT | bits
 
     def write_option_key(self, value):
         """OPTKEYR: two keys in a row unlock the option bytes."""
