@@ -173,16 +173,19 @@ impl Course {
     /// Stops the DAC's DMA, and begins a drive by the trigger output after it: does the output rise as before?
     pub(super) async fn stall(&self) -> Result<StepResult, MeasureError> {
         let name = step::STALL;
-        self.dialogue.stop().await?;
-        // In silence, where an underrun is no fault. What a stop leaves to sound ends first.
-        self.dialogue.past(self.dialogue.now() + self.samples(TRIGGERED_S)).await?;
+        self.idle().await?;
+        // In silence, where an underrun is no fault.
+        let ready = self.dialogue.arm(false).await?;
+        self.dialogue.past(ready).await?;
         let before = self.dialogue.seen(lost);
         self.dialogue.done(Request::Stall).await?;
         self.dialogue.past(self.dialogue.now() + self.samples(TRIGGERED_S)).await?;
         let late = |seen: Option<(u32, u32)>| seen.map_or(0, |(_, late)| late);
         let is_noticed = late(self.dialogue.seen(lost)) > late(before);
         let mut readings = vec![reading(name, "stall unnoticed", f64::from(u8::from(!is_noticed)))];
-        match self.triggered().await? {
+        let triggered = self.triggered().await?;
+        self.dialogue.disarm().await?;
+        match triggered {
             None => {
                 Ok(StepResult::failed(name, "After a stall of the DMA the trigger output's rise began no drive."))
             }
