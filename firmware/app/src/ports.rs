@@ -7,9 +7,8 @@ use core::ops::Range;
 use slipline_dds::bank::{BLOCK, TONES};
 
 pub use slipline_protocol::board::{
-    Analogue, BoardReport, BrownOut, ClockReport, MuteFall, MuteResistor, MuteTrial, PinLevel, SampleClock, StopInput,
-    UsbFrame,
-    UserButton,
+    Analogue, BoardReport, BrownOut, ClockReport, MuteFall, MuteResistor, MuteTrial, PinLevel, SampleClock,
+    StopInput, UsbFrame, UserButton,
 };
 pub use slipline_protocol::units::SampleIndex;
 

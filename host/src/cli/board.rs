@@ -77,7 +77,9 @@ fn ask() -> Result<(), Failure> {
 
 fn sentence(BrownOut { level, needed, restarts, .. }: &BrownOut) -> String {
     if *restarts {
-        format!("The brown-out level is {level} now, and compared after the restart: nothing else of the option bytes has changed.")
+        format!(
+            "The brown-out level is {level} now, and compared after the restart: nothing else of the option bytes has changed."
+        )
     } else if level >= needed {
         format!("The brown-out level is {level}: set. The board needs {needed}.")
     } else {

@@ -4,9 +4,9 @@ use super::destination::ForceArgument;
 use super::failure::Failure;
 use super::rig::PortArgument;
 use super::{
-    board, calibrate, check, completions, design, drive, figures, images, info, manual, measure, merit, output,
-    page, presets, profile, progress, record, respond, selftest, serve, simulate, study, sweep, table,
-    texture, trim, udev, verify, watch,
+    board, calibrate, check, completions, design, drive, figures, images, info, manual, measure, merit,
+    output, page, presets, profile, progress, record, respond, selftest, serve, simulate, study, sweep,
+    table, texture, trim, udev, verify, watch,
 };
 use crate::signals;
 use clap::{CommandFactory as _, Parser, Subcommand};

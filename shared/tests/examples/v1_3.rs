@@ -3,8 +3,8 @@
 use super::Example;
 use heapless::Vec;
 use slipline_protocol::board::{
-    Analogue, BoardReport, BrownOut, BrownOutOrder, ClockReport, MuteFall, MutePin, MuteResistor, MuteStep, MuteTrial, PinLevel,
-    SampleClock, StopInput, UsbFrame, UserButton,
+    Analogue, BoardReport, BrownOut, BrownOutOrder, ClockReport, MuteFall, MutePin, MuteResistor, MuteStep,
+    MuteTrial, PinLevel, SampleClock, StopInput, UsbFrame, UserButton,
 };
 use slipline_protocol::command::{Apply, ArmLease, Comb, CombTone, ProfileSetting};
 use slipline_protocol::event::{

@@ -186,9 +186,10 @@ impl Course {
         let triggered = self.triggered().await?;
         self.dialogue.disarm().await?;
         match triggered {
-            None => {
-                Ok(StepResult::failed(name, "After a stall of the DMA the trigger output's rise began no drive."))
-            }
+            None => Ok(StepResult::failed(
+                name,
+                "After a stall of the DMA the trigger output's rise began no drive.",
+            )),
             Some(samples) => {
                 readings.push(reading(name, "trigger delay after a stall", samples));
                 let good = "A stall of the DMA is noticed, and the trigger output rises as before after it.";

@@ -195,7 +195,9 @@ impl Course {
         match trigger.verdict {
             Verdict::Green | Verdict::Amber => self.driven(name, self.stall()).await,
             Verdict::Skipped => Ok(StepResult::skipped(name, trigger.sentence.clone())),
-            Verdict::Red => Ok(StepResult::skipped(name, "Not shown: the trigger does not work without a stall.")),
+            Verdict::Red => {
+                Ok(StepResult::skipped(name, "Not shown: the trigger does not work without a stall."))
+            }
         }
     }
 

@@ -153,7 +153,17 @@ const CASES: &[Case] = &[
             desk
         },
         &[step::BUTTONS],
-        &[step::MUTE_TIME, DRIVEN[0], DRIVEN[1], DRIVEN[2], DRIVEN[3], DRIVEN[4], DRIVEN[5], DRIVEN[6], step::STORE],
+        &[
+            step::MUTE_TIME,
+            DRIVEN[0],
+            DRIVEN[1],
+            DRIVEN[2],
+            DRIVEN[3],
+            DRIVEN[4],
+            DRIVEN[5],
+            DRIVEN[6],
+            step::STORE,
+        ],
     ),
 ];
 

@@ -16,7 +16,8 @@ use slipline_app::ports::{
 use slipline_app::safety::fade::fade;
 use slipline_app::store::SLOT_BYTES;
 use slipline_protocol::board::{
-    Analogue, BoardReport, BrownOut, MuteFall, MuteResistor, MuteTrial, PinLevel, SampleClock, StopInput, UserButton,
+    Analogue, BoardReport, BrownOut, MuteFall, MuteResistor, MuteTrial, PinLevel, SampleClock, StopInput,
+    UserButton,
 };
 
 /// Erase cycles of each slot, as guaranteed by the data sheets of the boards' chips.

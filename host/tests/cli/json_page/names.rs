@@ -20,7 +20,11 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ("brown_out_guarded", "true or false", "Whether the brown-out level is set; null for an older device"),
     ("brown_out_level", "1", "Level of the brown-out reset, counted from the lowest threshold"),
     ("brown_out_level_needed", "1", "Lowest level that guards the board"),
-    ("option_bytes", "text", "The chip's register of option bytes that holds the level, eight hexadecimal digits"),
+    (
+        "option_bytes",
+        "text",
+        "The chip's register of option bytes that holds the level, eight hexadecimal digits",
+    ),
     ("written", "true or false", "Whether the level was written, and compared after the restart"),
     ("build", "text", "The firmware's build"),
     ("by", "text", "The way: two places, two places and a check, one sensor, current or touches"),

@@ -171,7 +171,10 @@ fn the_brown_out_level_is_set_behind_a_question_that_names_the_risk() {
     click(&mut window, "Set");
     assert_eq!(orders(), 1);
 
-    let mut window = opened(telling(State::Idle, Some(Maintenance { brown_out_guarded: true, ..UNGUARDED })), [1280.0, 800.0]);
+    let mut window = opened(
+        telling(State::Idle, Some(Maintenance { brown_out_guarded: true, ..UNGUARDED })),
+        [1280.0, 800.0],
+    );
     click(&mut window, "Device");
     assert!(window.query_by_label("Set brown-out level…").is_none());
 }
