@@ -29,8 +29,8 @@ from channel import Channel
 from errors import FieldError, NoAnswer, Refused, SliplineError
 from messages import (
     AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, RECTANGULAR, VERSION_1_3, Accepted, ActuatorProfile, AnalogueEvent, ArmLease,
-    BoardEvent, BrownOutEvent, BrownOutOrder, Capture, CaptureRead, Chord, ChordTone, ClockEvent, Comb, CombTone, DigestStart, Drive, HeldEvent, Hello, HelloEvent,
-    Hold, HoldTone, InputsEvent, KeepAlive, Listen, ListenRead, MaintenanceEvent, MutePinEvent, MuteStep, ProfileEvent,
+    BoardEvent, BrownOutEvent, BrownOutOrder, Capture, CaptureRead, Chord, ChordTone, ClockEvent, Comb, CombTone, DigestStart, Drive,
+    HeldEvent, Hello, HelloEvent, Hold, HoldTone, InputsEvent, KeepAlive, Listen, ListenRead, MaintenanceEvent, MutePinEvent, MuteStep, ProfileEvent,
     SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent, Version, WearEvent, WriteProfile, at, fault_names,
 )  # fmt: skip
 from postcard import check_integer
