@@ -210,6 +210,9 @@ def left(rig, is_pulled):
     if is_pulled:
         rig.cable.plug()
         rig.board.run(0.1)
+        # Where it was pulled within a frame, the rest of that spoils the next frame, which a host sends again. Here a delimiter
+        # alone ends it.
+        rig.cable.send(b"\0")
     muted_and_disarmed(rig)
 
 
