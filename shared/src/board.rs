@@ -1,6 +1,6 @@
-//! What a device has found on its board, and how it tries its own mute pin: the bodies of [`Event::Board`](crate::Event::Board),
-//! [`Event::Analogue`](crate::Event::Analogue), [`Event::MutePin`](crate::Event::MutePin) and
-//! [`Event::Clock`](crate::Event::Clock).
+//! What a device has found on its board, how it tries its own mute pin, and the level of its brown-out reset: the bodies of
+//! [`Event::Board`](crate::Event::Board), [`Event::Analogue`](crate::Event::Analogue), [`Event::MutePin`](crate::Event::MutePin),
+//! [`Event::Clock`](crate::Event::Clock) and [`Event::BrownOut`](crate::Event::BrownOut).
 
 use crate::schema::{body, choices};
 use crate::units::SampleIndex;
@@ -49,6 +49,19 @@ choices! {
     }
 }
 
+choices! {
+    /// What times the device's samples.
+    #[derive(Default)]
+    pub enum SampleClock {
+        /// The board's crystal, or what feeds the chip in its place.
+        #[default]
+        0 since 0 Exact,
+        /// That was absent at the start. The chip's internal oscillator, some per cent off, lets the device answer; it cannot be armed
+        /// until a reset finds the clock.
+        1 since 0 Internal,
+    }
+}
+
 body! {
     /// The body of [`Event::Board`](crate::Event::Board).
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,6 +76,8 @@ body! {
         pub stop_input: StopInput [""],
         /// There is a trigger input: drives may wait for it.
         pub trigger_input: bool [""],
+        /// What times its samples.
+        pub sample_clock: SampleClock [""],
     }
 }
 
@@ -145,6 +160,35 @@ body! {
         pub is_on_bench: bool [""],
         /// When the pin went low; `None` if nothing was tried, or the pin stayed high for 20 ms.
         pub fall: Option<MuteFall> [""],
+    }
+}
+
+body! {
+    /// The body of [`Command::BrownOut`](crate::Command::BrownOut).
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct BrownOutOrder {
+        /// Whether the level that the board needs is to be written, if the present one is lower; else it is only read.
+        pub is_written: bool [""],
+    }
+}
+
+body! {
+    /// The body of [`Event::BrownOut`](crate::Event::BrownOut). Levels are counted as the chip's reference manual counts them, from the
+    /// lowest threshold.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct BrownOut {
+        /// The level in the chip's register. One that has just been written is in force after the restart only.
+        pub level: u8 [""],
+        /// The lowest level that guards this board.
+        pub needed: u8 [""],
+        /// The chip's register of option bytes that holds the level. After a write the host reads it again once the device has
+        /// restarted: it must be the same.
+        pub options: u32 [""],
+        /// The chip's level of read protection, as that register codes it: 170 (0xAA) is none, 204 (0xCC) is level 2, everything else
+        /// level 1.
+        pub read_protection: u8 [""],
+        /// The level has been written, and the device restarts.
+        pub restarts: bool [""],
     }
 }
 

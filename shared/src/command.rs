@@ -1,6 +1,6 @@
 //! Commands: the messages from a host to a device, and their bodies.
 
-use crate::board::MuteStep;
+use crate::board::{BrownOutOrder, MuteStep};
 use crate::hold::HoldSetting;
 use crate::limits::{
     CHORD_PERIOD_LOG2, CHUNK_KNOTS, COMB_PERIOD_BLOCKS, LEASE_MS, MAX_DIGEST_SAMPLES, MAX_HARMONIC,
@@ -46,6 +46,9 @@ messages! {
         0x09 since 3 MutePin(MuteStep) -> MutePin,
         /// Asks for the sample index, the processor's cycle counter and the USB's frame at one moment. It may take 2 ms.
         0x0a since 3 Clock -> Clock,
+        /// Stops the DAC's DMA for 1 ms, as a blocked bus would, to test that the device notices and recovers: it counts an
+        /// underrun, and has the fault `Underrun` where a tone sounded. Only on the bench (`Bench`).
+        0x0b since 3 Stall -> Accepted,
         /// Unmutes the amplifier and accepts drives. Needs a device without latched faults. An armed device stays as it is, with
         /// its lease if it has one (`ArmFor`).
         0x10 since 0 Arm -> Accepted,
@@ -111,6 +114,12 @@ messages! {
         /// in which the device does not answer. A profile that is kept already is not written again; `Unchanged` says so. `Forget`
         /// leaves it.
         0x42 since 3 WriteProfile(ProfileSetting) -> Accepted,
+        /// Reads the level of the brown-out reset, or writes the one that the board needs into the chip's option bytes. It is written only
+        /// while the device is disarmed, nothing sounds, the board's user button is held as for `WriteProfile`, the chip's read
+        /// protection is off (`ReadProtection`) and the reference voltage is at least 2.9 V (`ReferenceVoltage`). It may take up to 5 s,
+        /// in which the device does not answer; then the device answers and restarts, and the level is in force. A level that is high
+        /// enough is not written again. If the power fails meanwhile, some chips erase their program (`firmware/BOARDS.md`).
+        0x43 since 3 BrownOut(BrownOutOrder) -> BrownOut,
         /// First step into the ROM bootloader: asks for a token. Only while disarmed.
         0x50 since 0 BootloaderToken -> BootloaderToken,
         /// Second step into the ROM bootloader: shows the token. Only while disarmed, and where an actuator's profile is kept only

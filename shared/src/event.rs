@@ -1,6 +1,6 @@
 //! What a device answers. It never speaks first.
 
-use crate::board::{Analogue, BoardReport, ClockReport, MutePin};
+use crate::board::{Analogue, BoardReport, BrownOut, ClockReport, MutePin};
 use crate::command::{TableHeader, TravelSetting};
 pub use crate::fault::{Fault, Faults};
 use crate::hold::Held;
@@ -51,6 +51,8 @@ messages! {
         0xa4 since 0 Table(TableReport),
         /// The CRC-32 over a window of DAC codes.
         0xb1 since 0 Digest(Digest),
+        /// The level of the brown-out reset, and whether the device restarts with it.
+        0xc3 since 3 BrownOut(BrownOut),
         /// The token that lets the next command enter the bootloader.
         0xd0 since 0 BootloaderToken(u32),
         /// Number, lock-ins, delay and lost blocks of the inputs.

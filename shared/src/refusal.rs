@@ -71,6 +71,10 @@ choices! {
         30 since 3 FullSine or Self::MasterLevel,
         /// An actuator's longest drive, in milliseconds.
         31 since 3 DriveTime or Self::Glide,
+        /// The reference voltage VREF+ in millivolts.
+        32 since 3 ReferenceVoltage or Self::MasterLevel,
+        /// The byte by which a chip codes its level of read protection.
+        33 since 3 ReadProtection or Self::MasterLevel,
     }
 }
 
@@ -111,6 +115,8 @@ impl Field {
             Self::CoilTime => "time constant of the coil (ms)",
             Self::FullSine => "rise by a full-scale sine (1/1000 of its limit)",
             Self::DriveTime => "longest drive (ms)",
+            Self::ReferenceVoltage => "reference voltage VREF+ (mV)",
+            Self::ReadProtection => "byte of the chip's read protection",
         }
     }
 }
@@ -248,6 +254,8 @@ choices! {
             /// The time after which one more is stored.
             wait_s: u16 ["s"],
         } or Self::StoreFailed,
+        /// The clock that times the samples was absent at the start: the device answers and cannot be armed. Restore the clock and reset.
+        29 since 3 NoClock or Self::NotSupported,
     }
 }
 
@@ -353,6 +361,9 @@ impl core::fmt::Display for Refusal {
             Self::SilentTone { slot } => write!(f, "no tone sounds in slot {slot}"),
             Self::HoldButton => f.write_str(
                 "press and hold the user button on the board while this is done (after 30 s press it again)",
+            ),
+            Self::NoClock => f.write_str(
+                "the clock that times the device's samples is absent: power the board's ST-LINK, and reset the board",
             ),
             Self::StoresSpent { wait_s } => write!(
                 f,

@@ -51,9 +51,10 @@ class Facts(NamedTuple):
     erasures: int
     word_bytes: int
     # The supply detector's threshold: register of PWR, lowest bit of its three, and value; and the brown-out level's bits of
-    # the option bytes, with the value that a chip has when it is delivered.
+    # the option bytes, as a chip has them when it is delivered and as the board needs them.
     detector: tuple
-    brown_out: tuple
+    delivered: int
+    guarded: int
     # A crash's message if the program meets what it does not expect (`break_program`).
     crash: str
 
@@ -72,13 +73,13 @@ F407 = Facts(
     watchdog_seconds=0.3, erasure_watchdog_seconds=4.0, watchdog_slowest_hz=17e3,
     dma_irq=16, urgent_link_irqs=(), waking_link_irqs=(67,), dma=(1, 5), sense_dma=(2, 0), inputs=("PA1", "PA2"), rom=0x1FFF0000, rom_map=(0x40013800, 1),
     store_seconds=1.5, erasures=1, word_bytes=4, detector=(0x00, 5, 0b100),
-    brown_out=(0b11 << 2, 0b11 << 2), crash="ep_num",
+    delivered=0b11 << 2, guarded=0b01 << 2, crash="ep_num",
 )  # fmt: skip
 G474 = Facts(
     feature="board-nucleo-g474re", name="NUCLEO-G474RE", chip=stm32g474.Board, cable=SerialHost, unmute="PB5", mute_timer=8, trigger="PC7", trigger_input="PA6", lamp="PA5", button="PC13", stop_input="PB7",
     watchdog_seconds=0.3, erasure_watchdog_seconds=2.0, watchdog_slowest_hz=29.5e3,
     dma_irq=11, urgent_link_irqs=(38,), waking_link_irqs=(13, 14), dma=(1, 0), sense_dma=(1, 1), inputs=("PA0", "PA1"), rom=0x1FFF0000, rom_map=(0x40010000, 1),
-    store_seconds=0.5, erasures=8, word_bytes=8, detector=(0x04, 1, 0b110), brown_out=(0b111 << 8, 0),
+    store_seconds=0.5, erasures=8, word_bytes=8, detector=(0x04, 1, 0b110), delivered=0, guarded=0b100 << 8,
     crash="NMI",
 )  # fmt: skip
 H743 = Facts(
@@ -86,7 +87,7 @@ H743 = Facts(
     watchdog_seconds=0.3, erasure_watchdog_seconds=10.0, watchdog_slowest_hz=29.8e3,
     dma_irq=11, urgent_link_irqs=(), waking_link_irqs=(101,), dma=(1, 0), sense_dma=(1, 1), inputs=("PA3", "PC0"), rom=0x1FF09800, rom_map=None,
     store_seconds=4.5, erasures=1, word_bytes=32, detector=(0x00, 5, 0b110),
-    brown_out=(0b11 << 2, 0), crash="ep_num",
+    delivered=0, guarded=0b11 << 2, crash="ep_num",
 )  # fmt: skip
 BOARDS = F407, G474, H743
 

@@ -70,4 +70,4 @@ class Desk:
 
 
 # The steps that no message of today can show, and that of the amplifier, which is tested by itself.
-NEVER = {"stall", "bootloader", "faults", "others", "amplifier"}
+NEVER = {"bootloader", "faults", "others", "amplifier"}

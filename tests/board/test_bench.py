@@ -3,7 +3,7 @@ import pytest
 
 from core.usb import UsbHost
 from host import RATE_HZ, drive
-from messages import ArmLease, MuteStep
+from messages import AT_TRIGGER, ArmLease, MuteStep
 from records import Choice
 from rig import MID
 
@@ -85,3 +85,30 @@ def test_the_clocks_agree(rig):
         assert cycles == pytest.approx(frames * rig.board.CORE_HZ / 1000, abs=2000)
     else:
         assert first.usb is None
+
+
+@pytest.mark.every_image
+def test_a_dma_that_is_stopped_on_the_bench_is_noticed_and_the_trigger_rises_as_before(rig):
+    """R-76, by the device's own order, as the self-test gives it."""
+    rig.wire("trigger=trigger-in")
+    host = rig.host
+    host.connect()
+    assert host.exchange("Stall").refuses("NotArmed")
+    host.upload()
+    began = []
+    for is_stalled in (False, True):
+        host.accept("Bench", BENCH)
+        host.live(0.01)
+        if is_stalled:
+            before = host.status()["underruns"]
+            host.accept("Stall")
+            host.live(0.02)
+            status = host.status()
+            assert (status["faults"], status["underruns"] > before) == (set(), True)
+        waits = host.accept("Drive", drive([(0, 0.3, 0.6)], 2000, AT_TRIGGER))
+        host.live(0.02)
+        began.append(host.trigger()[1] - waits)
+        host.accept("Disarm")
+        host.live(0.06)
+    assert began[0] == began[1] and 0 < began[0] <= 256, began
+    assert not highs(rig)

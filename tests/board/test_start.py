@@ -6,6 +6,7 @@ import pytest
 from boards import DAC_IRQ, H743, RENDERER_IRQ, TIME_IRQ, on, on_f407
 from core.usb import UsbHost
 from host import RATE_HZ
+from messages import ArmLease
 from rig import MID, is_silent
 
 
@@ -139,11 +140,40 @@ def test_the_lamp_shows_whether_the_device_is_muted(armed):
 
 def test_the_lamp_reports_that_the_brown_out_level_is_not_set(rig):
     """R-56: as chips leave the factory. Only the lamp shows it."""
-    mask, delivered = rig.facts.brown_out
-    rig.board.flash.options = rig.board.flash.options & ~mask | delivered
-    rig.board.reset("power")
+    rig.board.flash.set_brown_out_bits(rig.facts.delivered)
     rig.board.is_hasty = True
     rig.board.run(0.15)
     rig.board.log.clear()
     rig.board.run(0.8)
     assert sum(1 for entry in rig.board.log if entry[1:] == (rig.facts.lamp, 1)) == 2, "muted alone is one flash in 0.8 s"
+
+
+@pytest.mark.every_image
+@on(H743)
+def test_without_the_st_links_clock_it_answers_muted_and_cannot_be_armed(rig):
+    """Nobody has powered CN1. The internal oscillators, some per cent off, keep the link; a reset with the clock is as ever."""
+    rig.board.stop_crystal()
+    # The start waits for the clock for 100 ms, by a loop that takes up to five times as long.
+    rig.board.run(0.5)
+    rig.host.connect()
+    assert rig.board.crs.trims_by_otg_fs(), "USB full speed needs 0.25 %"
+    assert rig.host.ask("Board").sample_clock.name == "Internal"
+    rig.host.upload()
+    for command, body in (("Arm", None), ("ArmFor", ArmLease(60_000)), ("Bench", ArmLease(60_000))):
+        assert rig.host.exchange(command, body).refuses("NoClock")
+    rig.board.log.clear()
+    rig.board.is_hasty = True
+    rig.host.live(0.8)
+    levels = [entry[1:] for entry in rig.board.log]
+    assert (rig.facts.unmute, 1) not in levels
+    lit = [entry[0] for entry in rig.board.log if entry[1:] == (rig.facts.lamp, 1)]
+    dark = [entry[0] for entry in rig.board.log if entry[1:] == (rig.facts.lamp, 0)]
+    assert len(lit) == 1 and any(0.38 < (end - lit[0]) % 0.8 < 0.42 for end in dark), "one long flash"
+    rig.board.is_hasty = False
+    rig.board.start_crystal()
+    rig.board.reset("pin")
+    rig.host.forget()
+    rig.host.connect()
+    assert rig.host.ask("Board").sample_clock.name == "Exact"
+    rig.host.upload()
+    rig.host.arm()

@@ -25,7 +25,7 @@ def test_the_table_survives_the_power_and_storing_it_is_no_underrun(rig):
 
 @pytest.mark.every_image
 def test_a_board_without_its_brown_out_level_says_so(rig):
-    rig.board.flash.take_brown_out_level()
+    rig.board.flash.set_brown_out_bits(rig.facts.delivered)
     rig.host.connect()
     assert rig.host.maintenance() == (0, 20_000, False)
 

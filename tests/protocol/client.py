@@ -29,8 +29,8 @@ from channel import Channel
 from errors import FieldError, NoAnswer, Refused, SliplineError
 from messages import (
     AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, RECTANGULAR, VERSION_1_3, Accepted, ActuatorProfile, AnalogueEvent, ArmLease,
-    BoardEvent, Capture, CaptureRead, Chord, ChordTone, ClockEvent, Comb, CombTone, DigestStart, Drive, HeldEvent, Hello, HelloEvent,
-    Hold, HoldTone, InputsEvent, KeepAlive, Listen, ListenRead, MaintenanceEvent, MutePinEvent, MuteStep, ProfileEvent,
+    BoardEvent, BrownOutEvent, BrownOutOrder, Capture, CaptureRead, Chord, ChordTone, ClockEvent, Comb, CombTone, DigestStart, Drive,
+    HeldEvent, Hello, HelloEvent, Hold, HoldTone, InputsEvent, KeepAlive, Listen, ListenRead, MaintenanceEvent, MutePinEvent, MuteStep, ProfileEvent,
     SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent, Version, WearEvent, WriteProfile, at, fault_names,
 )  # fmt: skip
 from postcard import check_integer
@@ -301,6 +301,10 @@ class Client:
         """Sample index, cycle counter and USB frame at one moment. Raises `SliplineError` with a device older than 1.3."""
         return self._request("Clock", "Clock")[1]
 
+    def stall(self) -> int:
+        """Stops the DAC's DMA for 1 ms, on the bench: the device counts an underrun. Raises `SliplineError` with a device older than 1.3."""
+        return self._accepted("Stall")
+
     def profile(self) -> ProfileEvent:
         """The profile of the actuator that is in force. Raises `SliplineError` with a device older than 1.3."""
         return self._request("Profile", "Profile")[1]
@@ -309,6 +313,12 @@ class Client:
         """Keeps a profile of the actuator in the device's flash, or erases it. The device refuses with `HoldButton` while the user
         button on its board is not pressed. Raises `FieldError`, and `SliplineError` with a device older than 1.3."""
         return self._accepted("WriteProfile", WriteProfile(profile))
+
+    def brown_out(self, write: bool = False) -> BrownOutEvent:
+        """The level of the brown-out reset; with `write`, the one that the board needs is written and the device restarts. The device
+        refuses that with `HoldButton` while the user button on its board is not pressed. Raises `SliplineError` with a device older
+        than 1.3."""
+        return self._request("BrownOut", "BrownOut", BrownOutOrder(write))[1]
 
     def wear(self) -> WearEvent:
         """The wear of the profile's flash, and the tables that may be stored now. Raises `SliplineError` with a device older than

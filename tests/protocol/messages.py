@@ -28,6 +28,7 @@ FAULT = Enumeration(
     "DeskStop",  # since 1.3
     "ProfileFellBack",  # since 1.3
 )  # fmt: skip
+SAMPLE_CLOCK = Enumeration("SampleClock", "Exact", "Internal")  # since 1.3
 MUTE_RESISTOR = Enumeration("MuteResistor", "NotLooked", "Present", "Missing")  # since 1.3
 USER_BUTTON = Enumeration("UserButton", "None", "Released", "Pressed")  # since 1.3
 STOP_INPUT = Enumeration("StopInput", "Unused", "Closed", "Open", "NotInProfile")  # since 1.3
@@ -40,7 +41,7 @@ FIELD = Enumeration(
     "ChordPeriod", "Harmonic",  # since 1.2
     "CombPeriod", "WindowBlocks", "LockIns", "Input", "CaptureCodes", "CaptureValues",  # since 1.3
     "TimeConstant", "MaxRise", "Slew", "HeldAmplitude", "Lease",  # since 1.3
-    "ProfileSum", "CoilTime", "FullSine", "DriveTime",  # since 1.3
+    "ProfileSum", "CoilTime", "FullSine", "DriveTime", "ReferenceVoltage", "ReadProtection",  # since 1.3
 )  # fmt: skip
 REFUSAL = Enumeration(
     "Refusal",
@@ -73,6 +74,7 @@ REFUSAL = Enumeration(
     ("SilentTone", {"slot": U8}),  # since 1.3
     "HoldButton",  # since 1.3
     ("StoresSpent", {"wait_s": U16}),  # since 1.3
+    "NoClock",  # since 1.3
 )
 RESET_CAUSE = Enumeration("ResetCause", "PowerOn", "Pin", "Software", "Watchdog", "BrownOut", "Panic", "HardFault")
 STATE = Enumeration(
@@ -291,6 +293,13 @@ class MuteStep(Record):
 
 
 @dataclass(frozen=True)
+class BrownOutOrder(Record):
+    """Whether the level of the brown-out reset that the board needs is written, or the present one only read. Since 1.3."""
+
+    is_written: bool = field(BOOL)
+
+
+@dataclass(frozen=True)
 class Chord(Record):
     """Sounds multiples of the sample rate over `1 << period_log2`: `master` in 1/100 dB, `glide` in samples. Since 1.2."""
 
@@ -467,6 +476,7 @@ class BoardEvent(Record):
     user_button: Choice = field(USER_BUTTON)
     stop_input: Choice = field(STOP_INPUT)
     trigger_input: bool = field(BOOL)
+    sample_clock: Choice = field(SAMPLE_CLOCK)
 
 
 @dataclass(frozen=True)
@@ -512,6 +522,17 @@ class ClockEvent(Record):
     at: int = field(U64)
     cycles: int = field(U32)
     usb: Optional[UsbFrame] = field(Option(Fields(UsbFrame)))
+
+
+@dataclass(frozen=True)
+class BrownOutEvent(Record):
+    """The level of the brown-out reset, and whether the device restarts with it. Since 1.3."""
+
+    level: int = field(U8)
+    needed: int = field(U8)
+    options: int = field(U32)
+    read_protection: int = field(U8)
+    restarts: bool = field(BOOL)
 
 
 @dataclass(frozen=True)
@@ -648,6 +669,7 @@ COMMANDS = {
         Kind(0x08, "Analogue", since=3),
         Kind(0x09, "MutePin", Fields(MuteStep), since=3),
         Kind(0x0A, "Clock", since=3),
+        Kind(0x0B, "Stall", since=3),
         Kind(0x10, "Arm"),
         Kind(0x11, "Disarm"),
         Kind(0x12, "Drive", Fields(Drive)),
@@ -671,6 +693,7 @@ COMMANDS = {
         Kind(0x40, "Store"),
         Kind(0x41, "Forget"),
         Kind(0x42, "WriteProfile", Fields(WriteProfile), since=3),
+        Kind(0x43, "BrownOut", Fields(BrownOutOrder), since=3),
         Kind(0x50, "BootloaderToken"),
         Kind(0x51, "BootloaderEnter", U32),
         Kind(0x60, "Inputs", since=3),
@@ -705,6 +728,7 @@ EVENTS = {
         Kind(0x98, "Trigger", Fields(TriggerEvent), since=1),
         Kind(0xA4, "Table", Fields(TableEvent)),
         Kind(0xB1, "Digest", Fields(DigestEvent)),
+        Kind(0xC3, "BrownOut", Fields(BrownOutEvent), since=3),
         Kind(0xD0, "BootloaderToken", U32),
         Kind(0xE0, "Inputs", Fields(InputsEvent), since=3),
         Kind(0xE2, "Listened", Fields(ListenedEvent), since=3),

@@ -1,6 +1,6 @@
 //! One of every command.
 
-use slipline_protocol::board::MuteStep;
+use slipline_protocol::board::{BrownOutOrder, MuteStep};
 use slipline_protocol::command::{
     ArmLease, DigestWindow, Hello, KeepAlive, ProfileSetting, TableChunk, TravelLimit, TravelSetting,
 };
@@ -34,6 +34,7 @@ pub fn every_command() -> Vec<Command> {
         Command::Analogue,
         Command::MutePin(MuteStep::default()),
         Command::Clock,
+        Command::Stall,
         Command::Arm,
         Command::Disarm,
         Command::Drive(drive(&[(0, 0.1, 0.2), (3, 0.9, 0.3)], 3000)),
@@ -59,6 +60,7 @@ pub fn every_command() -> Vec<Command> {
         Command::Store,
         Command::Forget,
         Command::WriteProfile(ProfileSetting::default()),
+        Command::BrownOut(BrownOutOrder { is_written: true }),
         Command::BootloaderToken,
         Command::BootloaderEnter(0),
         Command::Inputs,

@@ -3,8 +3,10 @@
 use super::on_bench::{BENCH, mute_pin, sounding, was_muted_throughout};
 use slipline_link::simulator::{MuteFault, Options, Wires};
 use slipline_link::{DriveRequest, Request, Sounding, ToneRequest};
-use slipline_protocol::board::{Analogue, ClockReport, MuteFall, MutePin, MuteStep, MuteTrial, PinLevel};
-use slipline_protocol::command::{Apply, Drive};
+use slipline_protocol::board::{
+    Analogue, ClockReport, MuteFall, MutePin, MuteStep, MuteTrial, PinLevel, SampleClock,
+};
+use slipline_protocol::command::{Apply, ArmLease, Drive};
 use slipline_protocol::event::State;
 use slipline_protocol::listen::{CapturePart, CaptureWindow};
 use slipline_protocol::refusal::Busy;
@@ -157,4 +159,20 @@ fn a_drive_beyond_the_linear_share_is_cautioned_once_and_a_wrong_reference_at_th
     assert_eq!(of(3300, 400), (1, 0));
     assert_eq!(of(2700, 1000), (0, 1));
     assert_eq!(of(0, 1000), (0, 0));
+}
+
+#[test]
+fn a_device_without_its_clock_answers_and_cannot_be_armed() {
+    let options = Options { sample_clock: SampleClock::Internal, ..Options::default() };
+    let mut rig = Rig::greeted_with(options);
+    rig.upload(&Table::usual());
+    assert_eq!(answer!(rig, Command::Board, Board).sample_clock, SampleClock::Internal);
+    for command in [Command::Arm, Command::ArmFor(ArmLease { lease_ms: 60_000 }), BENCH] {
+        assert_eq!(rig.refused(&command), Refusal::NoClock);
+    }
+    rig.live_ms(50);
+    assert!(rig.device.is_muted());
+    let mut older = Rig::new(Options { sample_clock: SampleClock::Internal, ..Options::default() });
+    older.hello_of_minor(2);
+    assert_eq!(older.refused(&Command::Arm), Refusal::NotSupported);
 }

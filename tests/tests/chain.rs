@@ -7,6 +7,7 @@ mod board_reports;
 mod bootloader;
 mod bootloader_entry;
 mod boundary;
+mod brown_out;
 mod chord;
 mod comb;
 mod dead_man;

@@ -2,6 +2,7 @@
 
 use slipline_app::safety::thermal::{BODY_S, FULL_SINE, Heat, WARN, WINDING_S};
 use slipline_link::simulator::{Options, WATCHDOG_MS};
+use slipline_protocol::board::BrownOut;
 use slipline_protocol::event::{Event, Fault, Faults, ResetCause, State};
 use slipline_protocol::limits::{DEAD_MAN_MS, EMERGENCY_RAMP_MS, MAX_DRIVE_MS, STOP_RAMP_MS};
 use slipline_protocol::{Command, Refusal};
@@ -330,6 +331,7 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             Command::Arm
             | Command::ArmFor(_)
             | Command::Bench(_)
+            | Command::Stall
             | Command::Drive(_)
             | Command::Chord(_)
             | Command::Comb(_) => event == Event::Refused(Refusal::Faulted { faults }),
@@ -361,6 +363,8 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             Command::Analogue => matches!(event, Event::Analogue(_)),
             Command::MutePin(_) => matches!(event, Event::MutePin(_)),
             Command::Clock => matches!(event, Event::Clock(_)),
+            // It is high enough.
+            Command::BrownOut(_) => matches!(event, Event::BrownOut(BrownOut { restarts: false, .. })),
             Command::WriteProfile(_) => event == Event::Refused(Refusal::HoldButton),
             Command::Trigger => matches!(event, Event::Trigger(_)),
             Command::Inputs => matches!(event, Event::Inputs(_)),

@@ -280,3 +280,22 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn the_dac_is_stalled_on_the_bench_alone_and_the_device_notices_it() {
+    let mut rig = Rig::greeted();
+    assert_eq!(rig.refused(&Command::Stall), Refusal::NotArmed);
+    rig.upload(&Table::usual());
+    rig.arm();
+    assert_eq!(rig.refused(&Command::Stall), Refusal::NotArmed, "the amplifier is on");
+    let mut rig = sounding(Options::default());
+    rig.accepted(&Command::Stall);
+    rig.live_ms(10);
+    assert_eq!(rig.status().first_fault, Some(Fault::Underrun));
+    rig.accepted(&Command::ClearFaults);
+    rig.live_ms(10);
+    rig.accepted(&BENCH);
+    rig.live_ms(10);
+    assert_eq!(rig.status().state, State::Armed);
+    assert!(was_muted_throughout(&rig));
+}

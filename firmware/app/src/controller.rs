@@ -11,6 +11,7 @@
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
+mod brown_out;
 mod drive;
 mod excursion;
 mod hold;
@@ -90,6 +91,8 @@ pub struct Controller<'a, F, S> {
     holding: hold::Holding,
     last_keep_alive: Option<u32>,
     bootloader: BootloaderEntry,
+    /// When the level of the brown-out reset was written: it is in force after a restart.
+    restart_due: Option<SampleIndex>,
     /// Blocks that the renderer has begun while the last motion was planned.
     lead: Cell<u64>,
 }
@@ -127,6 +130,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             holding: hold::Holding::NONE,
             last_keep_alive: None,
             bootloader: BootloaderEntry::default(),
+            restart_due: None,
             lead: Cell::new(0),
         }
     }
@@ -261,8 +265,10 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::Analogue => Ok(Event::Analogue(self.system.analogue())),
             Command::MutePin(step) => self.mute_pin(*step, mailbox).map(Event::MutePin),
             Command::Clock => Ok(Event::Clock(self.system.clock(&|| mailbox.now()))),
+            Command::Stall => self.stall(mailbox).map(accepted),
             Command::Profile => Ok(Event::Profile(self.bounds.report())),
             Command::WriteProfile(setting) => self.write_profile(setting, mailbox),
+            Command::BrownOut(order) => self.brown_out(*order, mailbox).map(Event::BrownOut),
             Command::BootloaderToken => {
                 self.refuse_unless_leavable(mailbox)?;
                 Ok(Event::BootloaderToken(self.bootloader.give_token(&self.device.unit, mailbox.now())))
@@ -340,6 +346,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         if self.bootloader.is_passed(now, &self.timing) && !view.armed && view.is_silent() {
             self.system.enter_bootloader();
         }
+        self.restart_if_due(&view);
         mailbox.pulse_safety();
         self.turn_hold(is_stopped, mailbox);
     }

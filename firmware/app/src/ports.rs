@@ -7,8 +7,8 @@ use core::ops::Range;
 use slipline_dds::bank::{BLOCK, TONES};
 
 pub use slipline_protocol::board::{
-    Analogue, BoardReport, ClockReport, MuteFall, MuteResistor, MuteTrial, PinLevel, StopInput, UsbFrame,
-    UserButton,
+    Analogue, BoardReport, BrownOut, ClockReport, MuteFall, MuteResistor, MuteTrial, PinLevel, SampleClock,
+    StopInput, UsbFrame, UserButton,
 };
 pub use slipline_protocol::units::SampleIndex;
 
@@ -324,6 +324,11 @@ pub trait System {
         None
     }
 
+    /// Stops the DAC's DMA for a millisecond; false where the device cannot. Called on the bench.
+    fn stall(&mut self) -> bool {
+        false
+    }
+
     /// The device's clocks at one moment; `now` is the present index. It may wait for the next block.
     fn clock(&self, now: &dyn Fn() -> SampleIndex) -> ClockReport {
         ClockReport { at: now(), ..ClockReport::default() }
@@ -331,6 +336,23 @@ pub trait System {
 
     /// The actuator's profile says whether a stop input is fitted, or there is none. One that was fitted stays so until a reset.
     fn fit_stop_input(&mut self, _is_fitted: Option<bool>) {}
+
+    /// The level of the brown-out reset, without a restart; `None` where the chip has none.
+    fn brown_out(&self) -> Option<BrownOut> {
+        None
+    }
+
+    /// Writes the level that the board needs into the chip's option bytes, and nothing else. It may stall the processor for seconds.
+    /// Called when disarmed and muted, without read protection.
+    ///
+    /// # Errors
+    /// [`FlashError`] if the chip reports one, or the option bytes read back wrong.
+    fn raise_brown_out_level(&mut self) -> Result<(), FlashError> {
+        Err(FlashError)
+    }
+
+    /// Restarts the device, with its new option bytes. Called when disarmed and silent, after the reply has gone out.
+    fn restart(&mut self) {}
 
     /// Leaves the application for the ROM bootloader. Called when disarmed and silent, after the reply has gone out.
     fn enter_bootloader(&mut self);

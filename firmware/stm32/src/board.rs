@@ -30,10 +30,11 @@
 //! | `map_system_memory()` | maps the ROM bootloader's vectors to address 0, as a boot from ROM does |
 //! | `stop_usb_clocks()` | switches off, before the reset into the ROM bootloader, what the ROM's USB could not start with |
 //! | `take(..)` | sorts the peripherals by their use, and mutes the amplifier |
+//! | `has_clock()` | whether the clock that times the samples runs; a board that waits for it at the start always has it |
 //! | `guard_clock()`, `take_clock_failure()` | the clock security system: switches it on; whether it has found a failure |
 //! | `set_debug_freezes()` | what stands still while a debugger has halted the core |
 //! | `take_reset_flags()`, `chip()` | the reset's cause; the chip's device id and revision |
-//! | `brown_out_level()`, `BROWN_OUT_LEVEL` | the level that is set, counted from the lowest threshold; the lowest that guards |
+//! | `BROWN_OUT_LEVEL` | the lowest level of the brown-out reset that guards the board, counted from the lowest threshold |
 //! | `LINEAR_PER_MILLE` | the share of the DAC's half swing within which its output is linear |
 //! | `REFERENCE_CALIBRATION` | where the chip keeps the code of its internal reference, and at which VREF+ in mV that was measured |
 //! | `REFERENCE_ADC`, `REFERENCE_CHANNEL`, `start_reference()`, `tune_reference(..)`, `end_reference()` (`adc-fast`) | the ADC and the channel of the internal reference, and how they are set up |
@@ -59,11 +60,6 @@ pub(crate) use nucleo_g474re::*;
 mod nucleo_h743zi2;
 #[cfg(feature = "board-nucleo-h743zi2")]
 pub(crate) use nucleo_h743zi2::*;
-
-/// Whether the brown-out reset level is set as the board needs it.
-pub(crate) fn is_brown_out_guarded() -> bool {
-    brown_out_level() >= BROWN_OUT_LEVEL
-}
 
 pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;
 // One code per timer period, exactly.

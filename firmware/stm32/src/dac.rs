@@ -291,6 +291,15 @@ pub(crate) fn paused<R>(work: impl FnOnce() -> R) -> R {
     result
 }
 
+/// Stops the DMA for a millisecond, as a blocked bus does, with nobody to notice meanwhile: the DAC holds its code. What follows is
+/// what follows a DMA that does not deliver.
+pub(crate) fn stall() {
+    cortex_m::interrupt::free(|_| {
+        STREAM.stop();
+        cortex_m::asm::delay(board::CORE_HZ / 1000);
+    });
+}
+
 /// Codes that the DMA has fetched since [`run`] began, modulo 2^32: as many as the sample timer has triggered, once the DMA has
 /// answered the last trigger.
 pub(crate) fn fetched() -> u32 {

@@ -3,7 +3,7 @@
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 
-use cortex_m::peripheral::DWT;
+use cortex_m::peripheral::{DWT, SCB};
 use embassy_executor::{Executor, InterruptExecutor};
 use embassy_stm32::gpio::{Flex, Output, Pull};
 use embassy_stm32::interrupt::{self, InterruptExt};
@@ -13,8 +13,8 @@ use slipline_app::listening::capture::Values;
 use slipline_app::listening::listener::Listener;
 use slipline_app::planning::chord::Candidate;
 use slipline_app::ports::{
-    Analogue, BoardReport, ClockReport, CycleCounter, MuteFall, MuteResistor, MuteTrial, PinLevel,
-    RendererPorts, SampleIndex, StopInput, System,
+    Analogue, BoardReport, BrownOut, ClockReport, CycleCounter, FlashError, MuteFall, MuteResistor,
+    MuteTrial, PinLevel, RendererPorts, SampleClock, SampleIndex, StopInput, System,
 };
 use slipline_app::safety::boot::{Boot, STABLE_AFTER_MS};
 use slipline_app::{Device, Link, Mailbox, Renderer, Supervisor, Timing, release};
@@ -32,7 +32,7 @@ use crate::trigger::TriggerPins;
 use crate::uart_link::{FromHost, ToHost, next_frame, start as start_link};
 #[cfg(feature = "link-usb")]
 use crate::usb_link::{FromHost, ToHost, next_frame, start as start_link};
-use crate::{bootloader, crash, fast, guard, pin_lock, priority, supply, watchdog};
+use crate::{bootloader, crash, fast, guard, pin_lock, priority, store, supply, watchdog};
 
 type SharedMailbox = Mailbox<CriticalSectionRawMutex>;
 
@@ -136,9 +136,11 @@ fn main() -> ! {
 
     let lamp = if boot.safe_mode {
         Some(Lamp::SafeMode)
+    } else if !board::has_clock() {
+        Some(Lamp::NoClock)
     } else if !has_mute_resistor {
         Some(Lamp::NoMuteResistor)
-    } else if board::is_brown_out_guarded() {
+    } else if store::is_brown_out_guarded() {
         None
     } else {
         Some(Lamp::NoBrownOutLevel)
@@ -276,7 +278,7 @@ impl System for Facts {
     }
 
     fn is_brown_out_guarded(&self) -> bool {
-        board::is_brown_out_guarded()
+        store::is_brown_out_guarded()
     }
 
     fn board(&self) -> BoardReport {
@@ -293,6 +295,7 @@ impl System for Facts {
                 FoundStopInput::Fitted => StopInput::Closed,
             },
             trigger_input: self.has_trigger_input(),
+            sample_clock: if board::has_clock() { SampleClock::Exact } else { SampleClock::Internal },
         }
     }
 
@@ -301,7 +304,7 @@ impl System for Facts {
         Analogue {
             reference_mv: self.reference_mv,
             linear_per_mille: board::LINEAR_PER_MILLE,
-            brown_out_level: Some(board::brown_out_level()),
+            brown_out_level: Some(store::brown_out_level()),
             chip,
             revision,
         }
@@ -313,6 +316,11 @@ impl System for Facts {
 
     fn try_mute(&mut self, trial: MuteTrial) -> Option<MuteFall> {
         mute::attempt(trial)
+    }
+
+    fn stall(&mut self) -> bool {
+        dac::stall();
+        true
     }
 
     fn clock(&self, now: &dyn Fn() -> SampleIndex) -> ClockReport {
@@ -337,6 +345,20 @@ impl System for Facts {
                 FoundStopInput::Fitted
             }
         };
+    }
+
+    fn brown_out(&self) -> Option<BrownOut> {
+        Some(store::brown_out())
+    }
+
+    fn raise_brown_out_level(&mut self) -> Result<(), FlashError> {
+        store::raise_brown_out_level()
+    }
+
+    fn restart(&mut self) {
+        crash::silence();
+        store::load_options();
+        SCB::sys_reset();
     }
 
     fn enter_bootloader(&mut self) {

@@ -13,6 +13,8 @@ pub(crate) enum Lamp {
     NoBrownOutLevel,
     /// The mute pin has no resistor, and the amplifier stays muted: three short flashes.
     NoMuteResistor,
+    /// The clock that times the samples is absent, and the amplifier stays muted: one long flash.
+    NoClock,
     /// The device started after repeated crashes and does not drive: fast blinking.
     SafeMode,
 }
@@ -25,6 +27,7 @@ impl Lamp {
             Self::Sounding => 0b1111_1111,
             Self::NoBrownOutLevel => 0b1010_0000,
             Self::NoMuteResistor => 0b1010_1000,
+            Self::NoClock => 0b1111_0000,
             Self::SafeMode => 0b1010_1010,
         }
     }
@@ -48,5 +51,8 @@ mod tests {
         assert_eq!(flashes(Lamp::NoMuteResistor), 3);
         assert_eq!(flashes(Lamp::SafeMode), 4);
         assert!(Lamp::Sounding.is_lit(3));
+        // Its one flash is long.
+        assert_eq!(flashes(Lamp::NoClock), 1);
+        assert!(Lamp::NoClock.is_lit(3) && !Lamp::Muted.is_lit(3));
     }
 }

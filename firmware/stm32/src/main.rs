@@ -27,7 +27,8 @@
 //! - `mute.rs`, `button.rs`, `pin_lock.rs`: mute pin and its resistor, the user button and the stop input. Tests:
 //!   `tests/board/test_desk_stop.py`
 //! - `trigger.rs`: trigger output and input. Tests: `tests/board/test_trigger.py`, `tests/board/test_trigger_input.py`
-//! - `store.rs`: flash slots of table and profile. Tests: `tests/board/test_store.py`
+//! - `store.rs`: flash slots of table and profile, and the option bytes' brown-out level. Tests: `tests/board/test_store.py`,
+//!   `tests/board/test_brown_out.py`
 //! - `priority.rs`: the interrupts' priorities
 //! - `guard.rs`, `crash.rs`, `reset.rs`, `supply.rs`, `watchdog.rs`: what guards the program, and what a crash leaves
 //!   behind. Tests: `tests/board/test_faults.py`

@@ -1,4 +1,4 @@
-//! The flash slots of the stored table and of the actuator's profile.
+//! The flash slots of the stored table and of the actuator's profile; `options` has the chip's option bytes.
 //!
 //! The application writes only when the device is disarmed and the renderer has muted the amplifier. This file still
 //! stops the DAC's triggers around every erasure and write: the F407 has one bank, so the processor stops until the
@@ -14,6 +14,7 @@
 #[cfg_attr(feature = "flash-h7", path = "store/h7.rs")]
 #[cfg_attr(feature = "flash-h7", expect(unsafe_code, reason = "listed in firmware/UNSAFE.md"))]
 mod chip;
+mod options;
 
 use embassy_stm32::Peri;
 use embassy_stm32::flash::{Blocking, Flash};
@@ -21,6 +22,9 @@ use embassy_stm32::peripherals::FLASH;
 use slipline_app::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
 
 pub(crate) use self::chip::on_nmi;
+pub(crate) use self::options::{
+    brown_out, brown_out_level, is_brown_out_guarded, load_options, raise_brown_out_level,
+};
 use crate::{board, dac, watchdog};
 
 /// Erasures of each sector or page that the data sheets promise over the whole range of temperature: the least in the

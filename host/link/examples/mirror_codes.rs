@@ -69,7 +69,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     | Command::Analogue
                     | Command::MutePin(_)
                     | Command::Clock
+                    | Command::Stall
                     | Command::WriteProfile(_)
+                    | Command::BrownOut(_)
                     | Command::Arm
                     | Command::ArmFor(_)
                     | Command::Bench(_)

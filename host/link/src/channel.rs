@@ -9,6 +9,7 @@
 
 use crate::snapshot::LinkCounters;
 use crate::trace::{FRAMES, TracedFrame, TracedMessage};
+use slipline_protocol::board::BrownOutOrder;
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
 use slipline_protocol::version::{Minor, Version};
@@ -22,6 +23,17 @@ pub(crate) const KEEP_ALIVE_PERIOD: Duration = Duration::from_millis(KEEP_ALIVE_
 /// Time without a reply after which a command that writes to flash is sent again: erasing and writing a slot takes the
 /// slowest board, the H743, up to 4.2 s.
 const FLASH_PATIENCE: Duration = Duration::from_secs(6);
+
+/// Whether a device writes its flash for this command: it does not answer for seconds, and not while anything sounds.
+pub(crate) const fn writes_flash(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Store
+            | Command::Forget
+            | Command::WriteProfile(_)
+            | Command::BrownOut(BrownOutOrder { is_written: true })
+    )
+}
 
 /// Which queue a command travels in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -296,7 +308,7 @@ impl Channel {
 
     fn in_flash(&self) -> bool {
         let sent = self.ordered.as_ref().map(|pending| &pending.command);
-        matches!(sent, Some(Command::Store | Command::Forget | Command::WriteProfile(_)))
+        sent.is_some_and(writes_flash)
     }
 
     fn patience(&self) -> Duration {

@@ -274,6 +274,8 @@ impl<O: Opener> Connection<O> {
             | Request::MutePin(_)
             | Request::ReadBoard
             | Request::ReadClock
+            | Request::Stall
+            | Request::BrownOut(_)
             | Request::Refresh
             | Request::Digest(_) => self.request_of_device(ticket, request, now),
         }

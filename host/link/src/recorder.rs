@@ -12,7 +12,7 @@ use crate::snapshot::{DeviceView, DriveView, LinkCounters, LinkState, RoundTrip,
 use crate::trace::FRAMES_KEPT;
 use crate::undecided::{Held, Undecided};
 use crate::upkeep;
-use slipline_protocol::board::{Analogue, BoardReport, ClockReport, MutePin};
+use slipline_protocol::board::{Analogue, BoardReport, BrownOut, ClockReport, MutePin};
 use slipline_protocol::command::{ArmLease, TravelLimit};
 use slipline_protocol::event::{Maintenance, ProfileReport, State, Status, TableReport, TriggerReport, Wear};
 use slipline_protocol::hold;
@@ -263,6 +263,15 @@ impl Recorder {
     /// Stores the device's clocks.
     pub(crate) fn clock(&mut self, reported: ClockReport) {
         self.view.device.clock = Some(reported);
+        self.touch();
+    }
+
+    /// Stores the device's report on the level of its brown-out reset.
+    pub(crate) fn brown_out(&mut self, reported: BrownOut) {
+        self.view.device.brown_out = Some(reported);
+        if reported.restarts {
+            self.log(Severity::Info, "The brown-out level is written: the device restarts with it.");
+        }
         self.touch();
     }
 

@@ -7,7 +7,7 @@ use crate::port::Port;
 use crate::refusal::Refusal;
 use crate::sounding::Sounding;
 use crate::table::DeviceTable;
-use slipline_protocol::board::MuteTrial;
+use slipline_protocol::board::{BrownOutOrder, MuteTrial};
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::event::Digest;
 use slipline_protocol::profile::ActuatorProfile;
@@ -72,6 +72,12 @@ pub enum Request {
     ReadBoard,
     /// Read the device's clocks at one moment; [`DeviceView::clock`](crate::snapshot::DeviceView::clock) has the answer.
     ReadClock,
+    /// Stop the DAC's DMA for a millisecond, on the bench: the device must notice, which it shows by its count of underruns, and recover.
+    Stall,
+    /// Read the level of the brown-out reset, or write the one that the board needs into the chip's option bytes;
+    /// [`DeviceView::brown_out`](crate::snapshot::DeviceView::brown_out) has the answer. Written only when disarmed and silent, and
+    /// while the board's user button is held; then the device restarts.
+    BrownOut(BrownOutOrder),
     /// Read the status now.
     Refresh,
     /// Set whether a lost device is looked for, and a missing port waited for.
@@ -110,6 +116,8 @@ impl Request {
             Self::MutePin(_) => "mute pin",
             Self::ReadBoard => "board",
             Self::ReadClock => "clocks",
+            Self::Stall => "stall",
+            Self::BrownOut(_) => "brown-out level",
             Self::Refresh => "status",
             Self::AutoReconnect(_) => "reconnect switch",
             Self::Observe => "observe",

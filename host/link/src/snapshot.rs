@@ -10,7 +10,7 @@ use crate::table::DeviceTable;
 use crate::trace::TracedFrame;
 use crate::upkeep;
 use slipline_protocol::Command;
-use slipline_protocol::board::{Analogue, BoardReport, ClockReport, MutePin};
+use slipline_protocol::board::{Analogue, BoardReport, BrownOut, ClockReport, MutePin};
 use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::{
     AcceptedUntil, Fault, Faults, Identity, Maintenance, ProfileReport, State, Status, TableReport,
@@ -156,6 +156,9 @@ pub struct DeviceView {
     pub mute_pin: Option<MutePin>,
     /// Its clocks, as they were read last ([`Request::ReadClock`](crate::Request::ReadClock)); `None` before that.
     pub clock: Option<ClockReport>,
+    /// The level of its brown-out reset, as it was read or written last ([`Request::BrownOut`](crate::Request::BrownOut)); `None` before
+    /// that.
+    pub brown_out: Option<BrownOut>,
     /// The capabilities of its inputs, while connected; `None` with a protocol older than 1.3. Read at the start.
     pub inputs: Option<InputsReport>,
     /// The profile of its actuator, while connected; `None` with a protocol older than 1.3. Read at the start and after each write.
@@ -267,6 +270,12 @@ impl Snapshot {
     #[must_use]
     pub fn can_limit_travel(&self) -> bool {
         self.knows("SetTravelLimit")
+    }
+
+    /// Whether the device's firmware can set its chip's brown-out level; older firmware cannot.
+    #[must_use]
+    pub fn sets_brown_out_level(&self) -> bool {
+        self.knows("BrownOut")
     }
 
     /// Whether the device's firmware can play chords; older firmware cannot.

@@ -1,6 +1,6 @@
 //! Texts about a device's [`Maintenance`] and inputs, for the person who maintains it.
 
-use slipline_protocol::board::{Analogue, BoardReport, MuteResistor, StopInput, UserButton};
+use slipline_protocol::board::{Analogue, BoardReport, MuteResistor, SampleClock, StopInput, UserButton};
 use slipline_protocol::event::{Maintenance, StoredConfig, Wear};
 use slipline_protocol::listen::InputsReport;
 
@@ -87,18 +87,31 @@ pub const fn before_arming(maintenance: &Maintenance) -> Option<&'static str> {
     )
 }
 
-/// The warning that the amplifier stays muted, if it does: the device has found no resistor at its mute pin.
+/// What the user of a board must know before the board writes its option bytes.
+pub const OPTION_BYTES_RISK: &str = "The board writes its chip's option bytes, once. If its power fails meanwhile, for up to a \
+    second, the chip of an STM32F4DISCOVERY, and probably that of a NUCLEO-G474RE, is read-protected afterwards: the way back erases \
+    its whole flash, with the image, the table and the profile (firmware/BOARDS.md). Power it so that nobody pulls its cables.";
+
+/// The warning that the amplifier stays muted, if it does: the device has found no resistor at its mute pin, or no clock.
 ///
 /// ```
-/// use slipline_link::protocol::board::{BoardReport, MuteResistor};
+/// use slipline_link::protocol::board::{BoardReport, MuteResistor, SampleClock};
 /// use slipline_link::upkeep::muted_for_good;
 ///
+/// let clockless = BoardReport { sample_clock: SampleClock::Internal, ..BoardReport::default() };
+/// assert!(muted_for_good(&clockless).is_some_and(|warning| warning.starts_with("Muted, and never armed: no clock.")));
 /// let bare = BoardReport { mute_resistor: MuteResistor::Missing, ..BoardReport::default() };
 /// assert!(muted_for_good(&bare).is_some_and(|warning| warning.starts_with("Muted: no resistor at the mute pin.")));
 /// assert_eq!(muted_for_good(&BoardReport::default()), None);
 /// ```
 #[must_use]
 pub const fn muted_for_good(board: &BoardReport) -> Option<&'static str> {
+    if matches!(board.sample_clock, SampleClock::Internal) {
+        return Some(
+            "Muted, and never armed: no clock. The ST-LINK's clock, which times the samples, was absent at the start: connect the \
+             ST-LINK's socket, too, and restart the device (firmware/BOARDS.md).",
+        );
+    }
     match board.mute_resistor {
         MuteResistor::NotLooked | MuteResistor::Present => None,
         MuteResistor::Missing => Some(

@@ -4,9 +4,9 @@ use super::destination::ForceArgument;
 use super::failure::Failure;
 use super::rig::PortArgument;
 use super::{
-    calibrate, check, completions, design, drive, figures, images, info, manual, measure, merit, output,
-    page, presets, profile, progress, record, respond, selftest, serve, simulate, study, sweep, table,
-    texture, trim, udev, verify, watch,
+    board, calibrate, check, completions, design, drive, figures, images, info, manual, measure, merit,
+    output, page, presets, profile, progress, record, respond, selftest, serve, simulate, study, sweep,
+    table, texture, trim, udev, verify, watch,
 };
 use crate::signals;
 use clap::{CommandFactory as _, Parser, Subcommand};
@@ -79,6 +79,8 @@ pub enum Command {
     Watch(watch::WatchArguments),
     /// Show or write the profile of a board's actuator: the limits that the device itself keeps, for every program.
     Profile(profile::ProfileArguments),
+    /// Show or set what is set once per board: the level of its brown-out reset.
+    Board(board::BoardArguments),
     /// Put a table on a device and drive it.
     Drive(drive::DriveArguments),
     /// Solve the plate at one frequency: complex amplitude over x, turning point, peak.
@@ -179,6 +181,7 @@ impl Command {
             Self::Info { port, .. } => info::run(&port, json),
             Self::Watch(arguments) => watch::run(&arguments),
             Self::Profile(arguments) => profile::run(&arguments, json),
+            Self::Board(arguments) => board::run(&arguments, json),
             Self::Drive(arguments) => drive::run(&arguments, json),
             Self::Respond(arguments) => respond::run(&arguments, json),
             Self::Table(arguments) => table::run(&arguments, json),

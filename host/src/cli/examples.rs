@@ -7,6 +7,7 @@ pub const EXAMPLES: &[(&str, &[&str])] = &[
     ("info", &["slipline info --port sim"]),
     ("watch", &["slipline watch --port sim"]),
     ("profile", &["slipline profile --port sim"]),
+    ("board", &["slipline board brown-out --port sim"]),
     ("texture", &["slipline texture --plate membrane --solid 260mm --out solid.toml"]),
     (
         "drive",

@@ -5,6 +5,7 @@
 //! program by itself. Existing files are replaced with `--force` only.
 
 mod argument;
+mod board;
 mod calibrate;
 mod calibrated;
 mod call;

@@ -1,6 +1,7 @@
 //! The command line as other programs use it: JSON fields, exit codes, and messages about bad input.
 
 mod answers;
+mod brown_out;
 mod calibrate;
 mod defaults;
 mod felt_edges;

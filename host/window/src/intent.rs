@@ -103,6 +103,8 @@ pub enum Confirm {
     Forget,
     /// Restart into the bootloader.
     Bootloader,
+    /// Write the brown-out level into the chip's option bytes.
+    BrownOutLevel,
 }
 
 /// A request of a view.

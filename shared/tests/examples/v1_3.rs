@@ -3,8 +3,8 @@
 use super::Example;
 use heapless::Vec;
 use slipline_protocol::board::{
-    Analogue, BoardReport, ClockReport, MuteFall, MutePin, MuteResistor, MuteStep, MuteTrial, PinLevel,
-    StopInput, UsbFrame, UserButton,
+    Analogue, BoardReport, BrownOut, BrownOutOrder, ClockReport, MuteFall, MutePin, MuteResistor, MuteStep,
+    MuteTrial, PinLevel, SampleClock, StopInput, UsbFrame, UserButton,
 };
 use slipline_protocol::command::{Apply, ArmLease, Comb, CombTone, ProfileSetting};
 use slipline_protocol::event::{
@@ -68,6 +68,9 @@ pub(crate) fn commands() -> std::vec::Vec<Example<Command>> {
         ("mute-pin-lapse", Command::MutePin(MuteStep { trial: MuteTrial::Lapse })),
         ("mute-pin-break", Command::MutePin(MuteStep { trial: MuteTrial::Break })),
         ("clock", Command::Clock),
+        ("stall", Command::Stall),
+        ("brown-out", Command::BrownOut(BrownOutOrder { is_written: false })),
+        ("brown-out-write", Command::BrownOut(BrownOutOrder { is_written: true })),
         ("bench", Command::Bench(ArmLease { lease_ms: 60_000 })),
         ("bench-largest", Command::Bench(ArmLease { lease_ms: u32::MAX })),
         ("write-profile", Command::WriteProfile(ProfileSetting { profile: Some(profile()) })),
@@ -233,6 +236,7 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         user_button: UserButton::Released,
         stop_input: StopInput::Closed,
         trigger_input: true,
+        sample_clock: SampleClock::Exact,
     };
     let bare = BoardReport {
         core_hz: u32::MAX,
@@ -240,6 +244,7 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         user_button: UserButton::Pressed,
         stop_input: StopInput::NotInProfile,
         trigger_input: true,
+        sample_clock: SampleClock::Internal,
     };
     let analogue = Analogue {
         reference_mv: 3302,
@@ -254,6 +259,8 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         cycles: 107_520_000,
         usb: Some(UsbFrame { number: 640, cycles: 107_600_000 }),
     };
+    let brown_out =
+        BrownOut { level: 2, needed: 2, options: 0x0fff_aae5, read_protection: 0xaa, restarts: true };
     let desk_stop = Status {
         state: State::Fault,
         faults: Faults::NONE.with(Fault::DeskStop),
@@ -314,6 +321,18 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
             })
         ),
         ("clock-reply-none".to_owned(), Event::Clock(ClockReport { usb: None, ..clock })),
+        ("brown-out-reply".to_owned(), Event::BrownOut(BrownOut { restarts: false, ..brown_out })),
+        ("brown-out-reply-restarts".to_owned(), Event::BrownOut(brown_out)),
+        (
+            "brown-out-reply-largest".to_owned(),
+            Event::BrownOut(BrownOut {
+                level: u8::MAX,
+                needed: u8::MAX,
+                options: u32::MAX,
+                read_protection: u8::MAX,
+                restarts: true,
+            })
+        ),
         ("status-reply-fault-10".to_owned(), Event::Status(desk_stop)),
         (
             "status-reply-fault-11".to_owned(),
@@ -349,10 +368,13 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         ("coil-time", Field::CoilTime),
         ("full-sine", Field::FullSine),
         ("drive-time", Field::DriveTime),
+        ("reference-voltage", Field::ReferenceVoltage),
+        ("read-protection", Field::ReadProtection),
     ];
     events.extend(held().map(|(label, event)| (label.to_owned(), event)));
     events.push(("refused-holding".to_owned(), Event::Refused(Refusal::Busy(Busy::Holding))));
     events.push(("refused-hold-button".to_owned(), Event::Refused(Refusal::HoldButton)));
+    events.push(("refused-no-clock".to_owned(), Event::Refused(Refusal::NoClock)));
     events.push(("refused-stores-spent".to_owned(), Event::Refused(Refusal::StoresSpent { wait_s: 60 })));
     events.push(("refused-silent-tone".to_owned(), Event::Refused(Refusal::SilentTone { slot: 7 })));
     for (label, field) in fields {

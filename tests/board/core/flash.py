@@ -1,13 +1,18 @@
-"""Flash: what the chips' have in common, and error correction over whole words, as the G4 and the H7 have it.
+"""Flash: what the chips' have in common, the option bytes, and error correction over whole words, as the G4 and the H7 have it.
 
 A word is programmed once, as a whole; the power may go before any operation or in the middle of it, and what is torn then
 cannot be corrected when it is read. `operations` counts erasures and words; `cut_at` orders the cut in one, `is_cut_clean`
 has it come just before.
+
+Of the option bytes (`options`) a program may change the level of the brown-out reset and nothing else: a wrong word may lock a
+chip for ever. Their register (`loaded`) has what was loaded last (`in_force`), or what a program has ordered since.
 """
 from unicorn import UC_HOOK_CODE, UC_HOOK_MEM_READ
 
-KEYS = (0x45670123, 0xCDEF89AB)
-
+KEYS, OPTION_KEYS = (0x45670123, 0xCDEF89AB), (0x08192A3B, 0x4C5D6E7F)
+UNPROTECTED = 0xAA
+# The longest erasure of any chip's flash takes 4 s; the watchdog must wait for as long as the firmware's table of it says.
+PATIENT_SECONDS = 1.0
 
 LOCK = 1 << 31
 # ACR of the chips that have a data cache (RM0090 3.9.1, RM0440 3.7.1).
@@ -15,6 +20,9 @@ CACHES_DATA, RESETS_DATA_CACHE = 1 << 10, 1 << 12
 
 
 class Flash:
+    # The bits of the option bytes that hold the level of the brown-out reset, and where the byte of read protection begins.
+    BROWN_OUT = RDP = None
+
     def __init__(self, board):
         self.board = board
         self.operations = 0
@@ -27,6 +35,41 @@ class Flash:
     def reset(self):
         self.control, self.keys = LOCK, []
         self.is_cache_stale = False
+        self.are_options_locked, self.option_keys = True, []
+        if self.loads_options(self.board.resets[-1] if self.board.resets else "power"):
+            self.in_force = self.options
+        self.loaded = self.in_force
+
+    # --- option bytes
+
+    def loads_options(self, _):
+        """Whether a reset of this cause loads the option bytes."""
+        return True
+
+    def set_brown_out_bits(self, bits):
+        """A chip that was delivered, or set up, like this."""
+        self.options = self.loaded = self.in_force = self.options & ~self.BROWN_OUT | bits
+
+    def write_option_key(self, value):
+        """OPTKEYR: two keys in a row unlock the option bytes."""
+        assert self.are_options_locked, "a key to an open lock closes it until the next reset"
+        self.option_keys = (self.option_keys + [value])[-2:]
+        self.are_options_locked = tuple(self.option_keys) != OPTION_KEYS
+
+    def program_options(self, wanted, torn):
+        """Puts the option bytes into the flash; `torn` is what a power cut inside leaves. Returns whether the power is gone."""
+        assert not self.are_options_locked, "the option bytes are locked"
+        changed = wanted ^ self.options
+        assert not changed & ~self.BROWN_OUT, f"option bits {changed:#x} are changed; only the level of the brown-out reset may be"
+        assert self.options >> self.RDP & 0xFF == UNPROTECTED, "the option bytes of a protected chip are written"
+        watchdog = self.board.watchdog
+        assert not watchdog.is_running or watchdog.period() > PATIENT_SECONDS, "the watchdog may end the write in its middle"
+        is_cut = self.cut()
+        self.board.note("options", wanted)
+        self.options = wanted if not is_cut else self.options if self.is_cut_clean else torn
+        if is_cut:
+            self.board.cut_power()
+        return is_cut
 
     def cut(self):
         """Whether the power fails during this operation."""

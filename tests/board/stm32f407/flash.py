@@ -7,9 +7,13 @@ from core import flash
 from core.flash import CACHES_DATA, LOCK
 
 BASE, START, SIZE = 0x40023C00, 0x08000000, 1 << 20
-ACR, KEYR, SR, CR, OPTCR = 0x00, 0x04, 0x0C, 0x10, 0x14
+ACR, KEYR, OPTKEYR, SR, CR, OPTCR = 0x00, 0x04, 0x08, 0x0C, 0x10, 0x14
 PROGRAM, ERASE, BEGIN = 1 << 0, 1 << 1, 1 << 16
-BROWN_OUT_LEVEL_3 = 0x0FFFAAE1
+# OPTCR (3.9.9): lock and start, which are no option bits; and the option bits with brown-out level 3.
+OPTIONS_LOCK, OPTIONS_BEGIN = 1 << 0, 1 << 1
+BROWN_OUT_LEVEL_3 = 0x0FFFAAE0
+# What erased option bytes say, with read protection level 1. Their sector takes as long as one of 16 KiB: no data sheet has a time.
+ERASED_OPTIONS = 0x0FFFFFEC
 # The longest that a sector takes, by its size and by PSIZE (CR bits 9 and 8: 8, 16, 32, 64 bits at a time; DS8626 Rev 12, table
 # 40); a word in 16 us.
 ERASE_SECONDS = {0x4000: (0.8, 0.6, 0.5, 0.5), 0x10000: (2.4, 1.4, 1.1, 1.1), 0x20000: (4.0, 2.6, 2.0, 2.0)}
@@ -24,6 +28,8 @@ def sector(number):
 
 
 class Flash(flash.Flash):
+    BROWN_OUT, RDP = 0b11 << 2, 8
+
     def __init__(self, board):
         self.torn = []
         # The option bytes outlive every reset.
@@ -33,10 +39,6 @@ class Flash(flash.Flash):
     def reset(self):
         super().reset()
         self.access = 0
-
-    def take_brown_out_level(self):
-        """BOR_LEV = 11: off, as delivered."""
-        self.options |= 0b11 << 2
 
     def sector_at(self, address):
         return next((start, size) for start, size in map(sector, range(12)) if start <= address < start + size)
@@ -63,7 +65,8 @@ class Flash(flash.Flash):
 
     def read(self, offset):
         self.settle()
-        known = {ACR: self.access, SR: 0, CR: self.control, OPTCR: self.options}
+        options = self.loaded | (OPTIONS_LOCK if self.are_options_locked else 0)
+        known = {ACR: self.access, SR: 0, CR: self.control, OPTCR: options}
         assert offset in known, f"FLASH has no modelled register {offset:#x} that can be read"
         return known[offset]
 
@@ -73,11 +76,24 @@ class Flash(flash.Flash):
             self.write_access(value)
         elif offset == KEYR:
             self.write_key(value)
+        elif offset == OPTKEYR:
+            self.write_option_key(value)
+        elif offset == OPTCR:
+            self.write_options(value)
         elif offset == CR:
             assert not self.control & LOCK or value & LOCK, "the flash's control is locked"
             self.control = value & ~BEGIN
             if value & ERASE and value & BEGIN:
                 self.erase(value >> 3 & 15)
+
+    def write_options(self, value):
+        """OPTCR holds what is to be programmed; its start erases the option bytes' sector and programs all of them (3.6.5)."""
+        assert not self.are_options_locked, "the option bytes are locked"
+        self.loaded = value & ~(OPTIONS_LOCK | OPTIONS_BEGIN)
+        if value & OPTIONS_BEGIN:
+            self.board.stall(ERASE_SECONDS[0x4000][self.control >> 8 & 3])
+            self.program_options(self.loaded, ERASED_OPTIONS)
+        self.are_options_locked = bool(value & OPTIONS_LOCK)
 
     def erase(self, number):
         start, size = sector(number)

@@ -47,8 +47,8 @@ class G474Clocks(Clocks):
         return values | {AHB1: 0x100, APB11: 0x400}
 
     def reset_flags(self, cause):
-        """RCC_CSR (7.4.28): every reset sets PINRSTF (26); power-on and brown-out set BORRSTF (27)."""
-        flags = {"power": 0b11 << 26, "brown-out": 0b11 << 26, "pin": 1 << 26, "software": 0b101 << 26}
+        """RCC_CSR (7.4.28): every reset sets PINRSTF (26); power-on and brown-out set BORRSTF (27), the option bytes' loader OBLRSTF (25)."""
+        flags = {"power": 0b11 << 26, "brown-out": 0b11 << 26, "pin": 1 << 26, "software": 0b101 << 26, "options": 0b11 << 25}
         return {CSR: (flags | {"watchdog": 0b1001 << 26})[cause]}
 
     def read(self, offset):

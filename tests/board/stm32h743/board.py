@@ -88,6 +88,25 @@ class Power(registers.Registers):
         self.clocks.limits()
 
 
+class Crs(registers.Registers):
+    """CRS (RM0433 chapter 9): what trims HSI48."""
+
+    CR, CFGR = 0x00, 0x04
+    ENABLED, AUTOMATIC, SOURCE, OTG_FS = 1 << 5, 1 << 6, 0b11 << 28, 0b00 << 28
+
+    def __init__(self):
+        super().__init__("CRS", {self.CR: 0x2000, self.CFGR: 0x2022BB7F})
+
+    def write(self, offset, value):
+        assert offset != self.CFGR or not self.values[self.CR] & self.ENABLED, "CRS_CFGR is locked while CEN = 1"
+        super().write(offset, value)
+
+    def trims_by_otg_fs(self):
+        """Whether HSI48 is exact enough for the USB core on PA11 and PA12."""
+        is_on = self.values[self.CR] & (self.ENABLED | self.AUTOMATIC) == self.ENABLED | self.AUTOMATIC
+        return is_on and self.values[self.CFGR] & self.SOURCE == self.OTG_FS
+
+
 class Board(board.Board):
     CPU_MODEL, CORE_HZ = UC_CPU_ARM_CORTEX_M7, 400e6
     # The stack has the lowest 32 KiB of the DTCM (memory/h743zi.x).
@@ -112,6 +131,7 @@ class Board(board.Board):
         self.power = Power(self.clocks)
         self.exti = registers.Exti(mask=0x80, rising=0x00, falling=0x04, waiting=0x88, others=(0x08, 0x84))
         self.system = registers.Registers("SYSCFG", dict.fromkeys((0x04, 0x08, 0x0C, 0x10, 0x14, 0x18, 0x20, 0x2C), 0))
+        self.crs = Crs()
         self.interconnect = registers.Registers("AXI interconnect", {ISSUING: 0})
         self.pins = pins.Pins(self, ALTERNATES, PORTS, RESISTORS)
         self.timers |= {number: timer.Timer(self, number, facts) for number, facts in TIMERS.items()}
@@ -127,13 +147,13 @@ class Board(board.Board):
         self.mux = dmamux.Dmamux()
         self.watchdog = watchdog.Watchdog(self)
         self.debug = debug.Debug(self, REVISION_Y, FREEZES)
-        self.others = self.mux, self.system, self.interconnect, self.adc3
+        self.others = self.mux, self.system, self.interconnect, self.adc3, self.crs
         self.pages = {each.base: each for each in (*self.timers.values(), *self.dma.values())}
         self.pages |= {0x58020000 + 0x400 * i: port for i, port in enumerate(self.pins.ports.values())}
         self.pages |= {
             RCC: self.clocks, flash.BASE: self.flash, 0x58024800: self.power, 0x58000400: self.system,
             0x58000000: self.exti, 0x40007400: self.dac, adc.BASE: self.adc, adc.BASE_3: self.adc3, 0x58004800: self.watchdog, 0x5C001000: self.debug,
-            0x40020800: self.mux, INTERCONNECT: self.interconnect,
+            0x40020800: self.mux, 0x40008400: self.crs, INTERCONNECT: self.interconnect,
         }  # fmt: skip
 
     def serving(self, name):

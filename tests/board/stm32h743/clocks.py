@@ -132,8 +132,10 @@ class H743Clocks(Clocks):
 
     def limits(self):
         tree = self.frequencies
+        # What counts the clock from outside stands still without it.
+        is_fed = self.has_crystal or self.registers[PLLCKSELR] & 3 != HSE
         for number, on in enumerate(PLLONS, 1):
-            if self.registers[CR] & on and self.has_crystal:
+            if self.registers[CR] & on and is_fed:
                 self.pll_limits(number)
         core, ahb, apb = SCALES[self.board.power.scale()]
         # The internal oscillator undivided is how the chip starts, at scale 3.
@@ -142,7 +144,7 @@ class H743Clocks(Clocks):
         access = self.board.flash.access
         most = WAIT_STATES.get((access & 15, access >> 4 & 3), 225e6 if access & 15 > 3 else 0)
         assert tree.ahb <= most, f"the flash's bus has {tree.ahb / 1e6} MHz, FLASH_ACR is {access:#x}"
-        if self.is_clocked(0x40080000) and self.has_crystal:
+        if self.is_clocked(0x40080000) and is_fed:
             assert abs(tree.usb - 48e6) <= 0.0025 * 48e6, f"USB has {tree.usb / 1e6} MHz"
 
     def pll_limits(self, number):

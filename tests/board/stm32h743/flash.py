@@ -6,12 +6,14 @@ reading it sets DBECCERR of its bank, and the bus answers with an error.
 from core.flash import KEYS, EccFlash
 
 BASE, START, SIZE, BANK, SECTOR = 0x52002000, 0x08000000, 1 << 21, 1 << 20, 1 << 17
-ACR, KEYR, CR, SR, CCR, OPTSR = 0x00, 0x04, 0x0C, 0x10, 0x14, 0x1C
+ACR, KEYR, OPTKEYR, CR, SR, CCR, OPTCR, OPTSR_CUR, OPTSR_PRG, OPTCCR = 0x00, 0x04, 0x08, 0x0C, 0x10, 0x14, 0x18, 0x1C, 0x20, 0x24
 SECOND = 0x100
 LOCK, PROGRAM, ERASE, BEGIN = 1 << 0, 1 << 1, 1 << 2, 1 << 7
 BUSY, WAITS_FOR_MORE, QUEUED, FINISHED = 1 << 0, 1 << 1, 1 << 2, 1 << 16
 DOUBLE_ERROR = 1 << 26
 ERRORS = 0b1111011 << 17 | DOUBLE_ERROR
+# OPTCR; a flag of OPTSR_CUR; and how long a change of the option bytes takes here: no data sheet has a time.
+OPTIONS_LOCK, OPTIONS_BEGIN, OPTIONS_BUSY, OPTION_SECONDS = 1 << 0, 1 << 1, 1 << 0, 20e-3
 # Two banks, not swapped, brown-out level 3.
 OPTIONS = 0x1BC6AAF0 | 0b11 << 2
 # The longest, by PSIZE (8, 16, 32, 64 bits at a time; DS12110 Rev 10, table 53).
@@ -21,6 +23,7 @@ WORD = 32
 
 class Flash(EccFlash):
     WORD, START, SIZE, SECTOR = WORD, START, SIZE, SECTOR
+    BROWN_OUT, RDP = 0b11 << 2, 8
     # The option bytes, which outlive every reset.
     options = OPTIONS
 
@@ -30,10 +33,8 @@ class Flash(EccFlash):
         self.access = 0x37
         self.controls, self.statuses, self.all_keys = [LOCK | 0b11 << 4] * 2, [0, 0], [[], []]
         self.first, self.words = None, []
-
-    def take_brown_out_level(self):
-        """BOR_LEV = 00: off, as delivered."""
-        self.options &= ~(0b11 << 2)
+        # OPTSR_PRG.
+        self.ordered = self.options
 
     def programmed(self, address, size, value):
         """The processor stores into the flash; called before the memory changes."""
@@ -62,7 +63,11 @@ class Flash(EccFlash):
         if register == SR:
             busy = BUSY | QUEUED if self.is_busy() else 0
             return self.statuses[bank] | busy | (WAITS_FOR_MORE if self.first is not None else 0)
-        known = {CR: self.controls[bank]} | ({ACR: self.access, OPTSR: self.options} if bank == 0 else {})
+        known = {CR: self.controls[bank]}
+        if bank == 0:
+            busy = OPTIONS_BUSY if register == OPTSR_CUR and self.is_busy() else 0
+            lock = OPTIONS_LOCK if self.are_options_locked else 0
+            known |= {ACR: self.access, OPTCR: lock, OPTSR_CUR: self.loaded | busy, OPTSR_PRG: self.ordered}
         assert register in known, f"FLASH has no modelled register {offset:#x} that can be read"
         return known[register]
 
@@ -72,6 +77,8 @@ class Flash(EccFlash):
         if offset == ACR:
             self.access = value
             self.board.clocks.limits()
+        elif offset in (OPTKEYR, OPTCR, OPTSR_PRG, OPTCCR):
+            self.write_options(offset, value)
         elif register == KEYR:
             self.all_keys[bank] = (self.all_keys[bank] + [value])[-2:]
             if tuple(self.all_keys[bank]) == KEYS:
@@ -85,6 +92,22 @@ class Flash(EccFlash):
             self.write_control(bank, value)
         else:
             raise AssertionError(f"FLASH has no modelled register {offset:#x} that can be written")
+
+    def write_options(self, offset, value):
+        """A reset or a power cut inside the change keeps the old ones (RM0433 4.4.3)."""
+        if offset == OPTKEYR:
+            self.write_option_key(value)
+        elif offset == OPTSR_PRG:
+            assert not self.are_options_locked, "the option bytes are locked"
+            self.ordered = value
+        elif offset == OPTCR:
+            assert not self.are_options_locked, "the option bytes are locked"
+            assert not value & ~(OPTIONS_LOCK | OPTIONS_BEGIN), f"FLASH_OPTCR is written with {value:#x}"
+            if value & OPTIONS_BEGIN:
+                self.program_options(self.ordered, torn=self.options)
+                self.loaded = self.options
+                self.busy_until = self.board.now + OPTION_SECONDS * self.board.CORE_HZ
+            self.are_options_locked = bool(value & OPTIONS_LOCK)
 
     def write_control(self, bank, value):
         self.check_idle()

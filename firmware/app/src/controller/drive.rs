@@ -14,7 +14,7 @@ use crate::mailbox::View;
 use crate::mailbox::{Mailbox, NotPublished};
 use crate::motion::Motion;
 use crate::planning::plan::Planner;
-use crate::ports::{FlashPages, StopInput, System, UserButton};
+use crate::ports::{FlashPages, SampleClock, StopInput, System, UserButton};
 use crate::range::{in_range, within};
 use crate::safety::faults::FaultLatch;
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
@@ -75,6 +75,9 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     fn refuse_if_unfit(&self, faults: FaultLatch) -> Result<(), Refusal> {
         if self.boot.safe_mode {
             return Err(Refusal::SafeMode);
+        }
+        if self.system.board().sample_clock == SampleClock::Internal {
+            return Err(Refusal::NoClock);
         }
         let faults = faults.set();
         if faults.is_empty() { Ok(()) } else { Err(Refusal::Faulted { faults }) }

@@ -1,8 +1,9 @@
-//! The mute pin, read back and tried.
+//! The mute pin, read back and tried; and the DAC, stopped for a moment on the bench.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::board::{MutePin, MuteStep, MuteTrial, PinLevel};
 use slipline_protocol::refusal::{Busy, Refusal};
+use slipline_protocol::units::SampleIndex;
 
 use super::Controller;
 use crate::mailbox::{Mailbox, Stop};
@@ -35,5 +36,13 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         let fall = if level == PinLevel::High { self.system.try_mute(trial) } else { None };
         mailbox.disarm(Stop::Normal);
         Ok(MutePin { fall, ..read })
+    }
+
+    /// Stops the DAC's DMA, on the bench alone: there nothing moves the plate.
+    #[inline(never)]
+    pub(super) fn stall<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
+        let view = mailbox.view();
+        self.refuse_unless_armed(view.armed && mailbox.is_on_bench(), view.faults)?;
+        if self.system.stall() { Ok(mailbox.now()) } else { Err(Refusal::NotSupported) }
     }
 }

@@ -190,6 +190,11 @@ pub(crate) fn take(p: Peripherals) -> Board {
     }
 }
 
+/// The start waits for the crystal.
+pub(crate) const fn has_clock() -> bool {
+    true
+}
+
 /// RCC_CR.CSSON: if the crystal stops, the internal oscillator takes over, the mute timer gets a break, and the NMI comes
 /// (RM0090 7.2.7).
 pub(crate) fn guard_clock() {
@@ -225,12 +230,8 @@ pub(crate) fn take_reset_flags() -> ResetFlags {
     }
 }
 
-/// FLASH_OPTCR.BOR_LEV (RM0090 3.9.9): 00 is level 3, reset below 2.83 V until 2.92 V (2.97 V at most, which this
-/// board's supply may never reach); 01 is level 2, 2.50 V and 2.59 V (DS8626 table 19). Both are accepted. Chips leave
-/// the factory with 11, off.
-pub(crate) fn brown_out_level() -> u8 {
-    3 - pac::FLASH.optcr().read().bor_lev()
-}
+/// Level 3 resets below 2.83 V until 2.92 V (2.97 V at most, which this board's supply may never reach); level 2 has 2.50 V and 2.59 V
+/// (DS8626 table 19). Both are accepted. Chips leave the factory with level 0, off.
 pub(crate) const BROWN_OUT_LEVEL: u8 = 2;
 
 /// The chip's device id and its revision (DBGMCU_IDCODE, RM0090 38.6.1).

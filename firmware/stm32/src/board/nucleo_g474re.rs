@@ -300,6 +300,11 @@ impl Link {
     }
 }
 
+/// The start waits for the crystal.
+pub(crate) const fn has_clock() -> bool {
+    true
+}
+
 /// RCC_CR.CSSON: if the crystal stops, the internal oscillator takes over, the mute timer gets a break, and the NMI comes
 /// (RM0440 7.2.10; the failure is one of the break's internal sources, 28.3.18).
 pub(crate) fn guard_clock() {
@@ -328,17 +333,15 @@ pub(crate) fn take_reset_flags() -> ResetFlags {
     pac::RCC.csr().modify(|w| w.set_rmvf(true));
     ResetFlags {
         watchdog: flags.iwdgrstf() || flags.wwdgrstf(),
-        software: flags.sftrstf(),
+        // The option bytes' loader resets, too (`store/g4.rs`).
+        software: flags.sftrstf() || flags.oblrstf(),
         power_on: flags.borrstf(),
         brown_out: false,
         pin: flags.pinrstf(),
     }
 }
 
-/// FLASH_OPTR.BOR_LEV: 100 is level 4, reset below 2.8 V (RM0440 3.7.8); chips leave the factory with 000, 1.7 V.
-pub(crate) fn brown_out_level() -> u8 {
-    pac::FLASH.optr().read().bor_lev()
-}
+/// Level 4 resets below 2.8 V (RM0440 3.7.8); chips leave the factory with level 0, 1.7 V.
 pub(crate) const BROWN_OUT_LEVEL: u8 = 4;
 
 /// The chip's device id and its revision (DBGMCU_IDCODE, RM0440 47.6.1).

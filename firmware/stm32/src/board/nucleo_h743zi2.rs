@@ -2,14 +2,17 @@
 //!
 //! RM0433 is cited by register; tables are those of the data sheet DS12110 Rev 10.
 
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
 use embassy_stm32::gpio::{Flex, Level, Output, Speed};
 use embassy_stm32::pac;
 use embassy_stm32::pac::adc::Adc;
 use embassy_stm32::pac::adc::vals::{Boost, Dmngt, Ovrmod, Pcsel, Res, SampleTime};
 use embassy_stm32::pac::adccommon::vals::{Ckmode, Damdf, Dual, Presc};
 use embassy_stm32::pac::common::{RW, Reg};
+use embassy_stm32::pac::crs::vals::Syncsrc;
 use embassy_stm32::rcc::{
-    AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk,
+    AHBPrescaler, APBPrescaler, Hse, HseMode, Hsi48Config, Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk,
     VoltageScale, mux,
 };
 use embassy_stm32::time::Hertz;
@@ -36,8 +39,9 @@ pub(crate) const NAME: &str = "NUCLEO-H743ZI2";
 //   USB: VCO = 8 * 60 = 480 MHz (DIVM3 = 1, DIVN3 = 60), 480 / 10 = 48 MHz (DIVQ3 = 10), as exact as the ST-LINK's
 //   clock. The VCO must be above 420 MHz: below, embassy-stm32 0.6 chooses the medium VCO range, which is for inputs of
 //   1 to 2 MHz only (DS12110, PLL characteristics, medium VCO frequency range).
-//   HSI48 is not used. Full speed needs 0.25 %, so the CRS would have to trim HSI48 by the USB core; embassy-stm32 0.6
-//   always sets its SYNCSRC to 10, OTG_HS, but PA11 and PA12 are OTG_FS, 00 (RM0433, CRS_CFGR).
+//   Without the ST-LINK's clock (its socket has no cable) the PLLs count HSI, 64 MHz / 8 = 8 MHz (DIVM1 = DIVM3 = 8), which is some
+//   per cent off: the same clocks by their names, and the device is never armed. USB then has HSI48. Full speed needs 0.25 %, so the
+//   CRS trims HSI48 by the USB core's frames (`trim_usb_clock`).
 pub(crate) const CORE_HZ: u32 = 400_000_000;
 pub(crate) const TIMER_HZ: u32 = 200_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 500;
@@ -174,13 +178,47 @@ fn PVD_AVD() {
 pub(crate) const SUPPLY_INTERRUPT: interrupt::Interrupt = interrupt::PVD_AVD;
 pub(crate) const DMA_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_STREAM0;
 
+/// Whether the ST-LINK's clock has come.
+static HAS_CLOCK: AtomicBool = AtomicBool::new(false);
+/// How long the start waits for it at least, in ms. The core has 64 MHz then.
+const CLOCK_MS: u32 = 100;
+const START_HZ: u32 = 64_000_000;
+
+/// Whether the ST-LINK's clock runs: it was there at the start.
+pub(crate) fn has_clock() -> bool {
+    HAS_CLOCK.load(Relaxed)
+}
+
+/// Looks for the ST-LINK's clock (RM0433, RCC_CR: HSEBYP is written while HSEON is 0). One that is absent is switched off again, so that
+/// the internal oscillators can be chosen instead.
+fn find_clock() -> bool {
+    pac::RCC.cr().modify(|w| w.set_hsebyp(true));
+    pac::RCC.cr().modify(|w| w.set_hseon(true));
+    let is_ready = (0..CLOCK_MS).any(|_| {
+        let is_ready = pac::RCC.cr().read().hserdy();
+        if !is_ready {
+            cortex_m::asm::delay(START_HZ / 1000);
+        }
+        is_ready
+    });
+    if !is_ready {
+        pac::RCC.cr().modify(|w| w.set_hseon(false));
+    }
+    is_ready
+}
+
 pub(crate) fn config() -> Config {
     let mut config = Config::default();
-    config.rcc.hse = Some(Hse { freq: Hertz(8_000_000), mode: HseMode::Bypass });
-    config.rcc.hsi48 = None;
+    let has_clock = find_clock();
+    HAS_CLOCK.store(has_clock, Relaxed);
+    let (source, prediv) =
+        if has_clock { (PllSource::HSE, PllPreDiv::DIV1) } else { (PllSource::HSI, PllPreDiv::DIV8) };
+    config.rcc.hse = has_clock.then_some(Hse { freq: Hertz(8_000_000), mode: HseMode::Bypass });
+    // `trim_usb_clock` synchronises it: embassy-stm32 0.6 always sets the CRS to OTG_HS.
+    config.rcc.hsi48 = (!has_clock).then_some(Hsi48Config { sync_from_usb: false });
     config.rcc.pll1 = Some(Pll {
-        source: PllSource::HSE,
-        prediv: PllPreDiv::DIV1,
+        source,
+        prediv,
         mul: PllMul::MUL100,
         fracn: None,
         divp: Some(PllDiv::DIV2),
@@ -188,8 +226,8 @@ pub(crate) fn config() -> Config {
         divr: None,
     });
     config.rcc.pll3 = Some(Pll {
-        source: PllSource::HSE,
-        prediv: PllPreDiv::DIV1,
+        source,
+        prediv,
         mul: PllMul::MUL60,
         fracn: None,
         divp: None,
@@ -203,10 +241,21 @@ pub(crate) fn config() -> Config {
     config.rcc.apb3_pre = APBPrescaler::DIV2;
     config.rcc.apb4_pre = APBPrescaler::DIV2;
     config.rcc.voltage_scale = VoltageScale::Scale1;
-    config.rcc.mux.usbsel = mux::Usbsel::PLL3_Q;
+    config.rcc.mux.usbsel = if has_clock { mux::Usbsel::PLL3_Q } else { mux::Usbsel::HSI48 };
     config.rcc.mux.adcsel = mux::Adcsel::PLL3_R;
     config.dma_interrupt_priority = priority::DAC;
     config
+}
+
+/// The CRS trims HSI48 by the frames of the USB core on PA11 and PA12, which is OTG_FS: SYNCSRC = 00 (RM0433, CRS_CFGR; it is written
+/// while CEN is 0). The reload value and the limit of a reset are those for 48 MHz and a frame a millisecond.
+fn trim_usb_clock() {
+    pac::RCC.apb1henr().modify(|w| w.set_crsen(true));
+    pac::CRS.cfgr().modify(|w| w.set_syncsrc(Syncsrc::from_bits(0b00)));
+    pac::CRS.cr().modify(|w| {
+        w.set_autotrimen(true);
+        w.set_cen(true);
+    });
 }
 
 /// Nothing to do: this DAC has one speed.
@@ -250,6 +299,9 @@ pub(crate) fn tune_flash() {
 }
 
 pub(crate) fn take(p: Peripherals) -> Board {
+    if !has_clock() {
+        trim_usb_clock();
+    }
     // The switch that would feed the USB socket from the board, for a device in it (UM2407: PD10, active high). Here a host feeds
     // it. PC0 is A1, the shunt's input, on this board.
     core::mem::forget(Output::new(p.PD10, Level::Low, Speed::Low));
@@ -279,6 +331,9 @@ pub(crate) fn take(p: Peripherals) -> Board {
 /// RCC_CR.HSECSSON: if the ST-LINK's clock stops, the internal oscillator takes over, the mute timer gets a break, and the
 /// NMI comes (RM0433 8.5.3).
 pub(crate) fn guard_clock() {
+    if !has_clock() {
+        return;
+    }
     pac::RCC.cr().modify(|w| w.set_hsecsson(true));
 }
 
@@ -312,11 +367,7 @@ pub(crate) fn take_reset_flags() -> ResetFlags {
     }
 }
 
-/// FLASH_OPTSR_CUR.BOR_LEV: 11 is level 3, reset below 2.61 V until 2.70 V (DS12110 table 27); chips leave the factory
-/// with 00, off.
-pub(crate) fn brown_out_level() -> u8 {
-    pac::FLASH.optsr_cur().read().bor_lev()
-}
+/// Level 3 resets below 2.61 V until 2.70 V (DS12110 table 27); chips leave the factory with level 0, off.
 pub(crate) const BROWN_OUT_LEVEL: u8 = 3;
 
 /// The chip's device id and its revision (DBGMCU_IDC, RM0433).

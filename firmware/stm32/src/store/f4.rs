@@ -3,6 +3,15 @@
 use embassy_stm32::pac::FLASH;
 use embassy_stm32::pac::flash::vals::Psize;
 
+// FLASH_OPTCR (RM0090 3.9.9): its lock, its start, BOR_LEV, RDP from bit 8 on; all but the first two are option bits.
+const OPTLOCK: u32 = 1 << 0;
+const OPTSTRT: u32 = 1 << 1;
+pub(super) const BROWN_OUT: u32 = 0b11 << 2;
+const RDP: u32 = 8;
+/// FLASH_SR: end of operation and all errors, cleared by writing 1 (RM0090 3.9.5).
+const RESULTS: u32 = 0b1111_0011;
+const ERRORS: u32 = RESULTS & !1;
+
 pub(super) fn guard(read: impl FnOnce() -> bool) -> bool {
     read()
 }
@@ -34,3 +43,41 @@ pub(super) fn forget_cached() {
 pub(crate) fn on_nmi() -> Result<(), &'static str> {
     Err("unexpected NMI")
 }
+
+/// The option bits of FLASH_OPTCR, which has them from the flash since the reset.
+pub(super) fn options() -> u32 {
+    FLASH.optcr().read().0 & !(OPTLOCK | OPTSTRT)
+}
+
+/// BOR_LEV counts down: 00 is level 3, 11 is off (RM0090 3.9.9).
+pub(super) const fn level_of(options: u32) -> u8 {
+    3 - ((options & BROWN_OUT) >> 2) as u8
+}
+
+pub(super) const fn bits_of(level: u8) -> u32 {
+    (3 - level as u32) << 2
+}
+
+pub(super) const fn read_protection_of(options: u32) -> u8 {
+    (options >> RDP) as u8
+}
+
+/// Writes the option bits (RM0090 3.6.5); returns whether the flash reports no error. It erases their sector first, and then writes all
+/// of them.
+pub(super) fn write_options(keys: [u32; 2], wanted: u32) -> bool {
+    FLASH.sr().write(|w| w.0 = RESULTS);
+    if FLASH.optcr().read().0 & OPTLOCK != 0 {
+        for key in keys {
+            FLASH.optkeyr().write_value(key);
+        }
+    }
+    FLASH.optcr().write(|w| w.0 = wanted);
+    FLASH.optcr().write(|w| w.0 = wanted | OPTSTRT);
+    while FLASH.sr().read().bsy() {}
+    let has_failed = FLASH.sr().read().0 & ERRORS != 0;
+    FLASH.optcr().write(|w| w.0 = wanted | OPTLOCK);
+    !has_failed
+}
+
+/// Nothing to do: the release of any reset loads FLASH_OPTCR from the flash (RM0090 3.9.9).
+pub(super) const fn load_options(_: [u32; 2]) {}

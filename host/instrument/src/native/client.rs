@@ -425,7 +425,7 @@ impl<W: BlockingLink> Client<W> {
     }
 
     /// Sends a request and waits for its result.
-    fn perform(&self, request: Request) -> Result<Outcome, ClientError> {
+    pub(super) fn perform(&self, request: Request) -> Result<Outcome, ClientError> {
         // After an interruption in a pause nothing more is begun.
         if self.link.take_interruption() {
             return Err(ClientError::Interrupted);

@@ -46,6 +46,17 @@ pub enum ClientError {
     /// The board keeps no profile of its actuator; its user must read this warning before it is armed.
     #[error("{}", upkeep::NO_PROFILE)]
     NoProfile,
+    /// After its restart the device's option bytes are not those that it has written.
+    #[error(
+        "the device's option bytes are {found:#010x} after its restart, not {written:#010x} as it has written them: do not use this \
+         board before a probe has shown why"
+    )]
+    OptionsDiffer {
+        /// As they were read back before the restart.
+        written: u32,
+        /// As they are now.
+        found: u32,
+    },
     /// The connection was lost for this reason.
     #[error(transparent)]
     Lost(LinkError),

@@ -1,6 +1,7 @@
 //! The instrument on this computer: a blocking client of a device, for sequential programs.
 
 mod arming;
+mod brown_out;
 mod client;
 mod error;
 mod hold;

@@ -1,4 +1,4 @@
-//! Steps by drives on the bench: load, codes, and trigger output to trigger input.
+//! Steps by drives on the bench: load, codes, trigger output to trigger input, also after a stall of the DMA.
 
 use super::course::{Course, SENSOR, SPAN_M, TRIES, reading};
 use super::limits::step;
@@ -158,6 +158,49 @@ impl Course {
     /// Begins a drive by the device's own trigger output, which rises on the bench where a drive begins to wait.
     pub(super) async fn trigger(&self) -> Result<StepResult, MeasureError> {
         let name = step::TRIGGER;
+        Ok(match self.triggered().await? {
+            None => StepResult::failed(
+                name,
+                "The trigger output's rise began no drive: look at the wire from the trigger output to the trigger input.",
+            ),
+            Some(samples) => {
+                let readings = vec![reading(name, "trigger delay", samples)];
+                StepResult::judged(name, readings, "A rise of the trigger input begins a drive in time.")
+            }
+        })
+    }
+
+    /// Stops the DAC's DMA, and begins a drive by the trigger output after it: does the output rise as before?
+    pub(super) async fn stall(&self) -> Result<StepResult, MeasureError> {
+        let name = step::STALL;
+        self.idle().await?;
+        // In silence, where an underrun is no fault.
+        let ready = self.dialogue.arm(false).await?;
+        self.dialogue.past(ready).await?;
+        let before = self.dialogue.seen(lost);
+        self.dialogue.done(Request::Stall).await?;
+        self.dialogue.past(self.dialogue.now() + self.samples(TRIGGERED_S)).await?;
+        let late = |seen: Option<(u32, u32)>| seen.map_or(0, |(_, late)| late);
+        let is_noticed = late(self.dialogue.seen(lost)) > late(before);
+        let mut readings = vec![reading(name, "stall unnoticed", f64::from(u8::from(!is_noticed)))];
+        let triggered = self.triggered().await?;
+        self.dialogue.disarm().await?;
+        match triggered {
+            None => Ok(StepResult::failed(
+                name,
+                "After a stall of the DMA the trigger output's rise began no drive.",
+            )),
+            Some(samples) => {
+                readings.push(reading(name, "trigger delay after a stall", samples));
+                let good = "A stall of the DMA is noticed, and the trigger output rises as before after it.";
+                Ok(StepResult::judged(name, readings, good))
+            }
+        }
+    }
+
+    /// Begins a drive by the device's own trigger output; the samples from the first that may begin it to the one that does, or
+    /// `None` if nothing has begun.
+    async fn triggered(&self) -> Result<Option<f64>, MeasureError> {
         self.dialogue.stop().await?;
         let began = |snapshot: &Snapshot| snapshot.drive.trigger.and_then(|report| report.began);
         let before = self.dialogue.seen(began).flatten();
@@ -171,17 +214,8 @@ impl Course {
         }
         let since = self.dialogue.seen(began).flatten();
         self.dialogue.stop().await?;
-        match since.filter(|at| Some(*at) != before && *at >= waits) {
-            None => Ok(StepResult::failed(
-                name,
-                "The trigger output's rise began no drive: look at the wire from the trigger output to the trigger input.",
-            )),
-            Some(at) => {
-                let samples = (at - waits + EARLY) as f64;
-                let readings = vec![reading(name, "trigger delay", samples)];
-                Ok(StepResult::judged(name, readings, "A rise of the trigger input begins a drive in time."))
-            }
-        }
+        let at = since.filter(|at| Some(*at) != before && *at >= waits);
+        Ok(at.map(|at| (at - waits + EARLY) as f64))
     }
 }
 

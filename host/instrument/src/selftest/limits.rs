@@ -201,6 +201,13 @@ pub const LIMITS: &[Limit] = &[
         between(0.0, 5.0),
         "The flash takes longer than its data sheet promises.",
     ),
+    red(step::STALL, "stall unnoticed", NONE, "The device has not noticed that its DAC stood still."),
+    red(
+        step::STALL,
+        "trigger delay after a stall",
+        between(129.0, 260.0),
+        "After a stall of the DMA the trigger output does not rise with the codes (BOARDS.md): use no trigger on this board.",
+    ),
     red(
         step::BUTTONS,
         "pressed unasked",

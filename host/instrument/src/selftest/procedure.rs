@@ -130,6 +130,8 @@ impl Course {
         let buttons = course.step(step::BUTTONS, course.buttons(&board)).await?;
         course.mark(13);
         let clocks = course.step(step::CLOCKS, course.clocks(since)).await?;
+        // The samples stand still in it, so it would spoil the clocks.
+        let stall = course.by_stall(&trigger).await?;
         let steps = vec![
             clocks,
             supply,
@@ -143,7 +145,7 @@ impl Course {
             trigger,
             link,
             store,
-            StepResult::skipped(step::STALL, "No message stops the DMA."),
+            stall,
             buttons,
             StepResult::skipped(step::BOOTLOADER, "The ROM's answers are not looked at by this version."),
             StepResult::skipped(step::FAULTS, "No message makes the device fail on purpose."),
@@ -185,6 +187,18 @@ impl Course {
             return Ok(StepResult::skipped(name, "The device has no trigger input."));
         }
         self.driven(name, self.trigger()).await
+    }
+
+    /// A stall of the DMA, where the trigger is known to work without one.
+    async fn by_stall(&self, trigger: &StepResult) -> Result<StepResult, MeasureError> {
+        let name = step::STALL;
+        match trigger.verdict {
+            Verdict::Green | Verdict::Amber => self.driven(name, self.stall()).await,
+            Verdict::Skipped => Ok(StepResult::skipped(name, trigger.sentence.clone())),
+            Verdict::Red => {
+                Ok(StepResult::skipped(name, "Not shown: the trigger does not work without a stall."))
+            }
+        }
     }
 
     /// The board; nothing of it with a firmware that does not report it.

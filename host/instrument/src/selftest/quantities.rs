@@ -80,6 +80,8 @@ const QUANTITIES: &[Quantity] = &[
     count(step::LINK, "repeated commands"),
     count(step::STORE, "profiles that differ"),
     number(step::STORE, "longest write", "s"),
+    count(step::STALL, "stall unnoticed"),
+    number(step::STALL, "trigger delay after a stall", "samples"),
     count(step::BUTTONS, "pressed unasked"),
     count(step::BUTTONS, "not pressed in time"),
     count(step::BUTTONS, "not released in time"),

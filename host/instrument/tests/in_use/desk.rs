@@ -305,7 +305,7 @@ pub(crate) fn everything() -> SelftestRequest {
 }
 
 /// The steps that no message of today can show.
-const NEVER: [&str; 4] = [step::STALL, step::BOOTLOADER, step::FAULTS, step::OTHERS];
+const NEVER: [&str; 3] = [step::BOOTLOADER, step::FAULTS, step::OTHERS];
 
 /// A board without a fault, with both wires.
 pub(crate) fn good() -> SimulatedDevice {

@@ -5,11 +5,12 @@ use slipline_instrument::selftest::{SelftestReport, SelftestRequest, StepResult,
 use slipline_link::Request;
 use slipline_link::protocol::Event;
 use slipline_link::protocol::board::{BoardReport, ClockReport, UsbFrame};
+use slipline_link::protocol::event::TriggerReport;
 use slipline_link::simulator::{MuteFault, Options, SimulatedDevice};
 
 /// The steps by drives.
-const DRIVEN: [&str; 6] =
-    [step::DAC_TO_ADC, step::DELAY, step::NOISE, step::LOAD, step::CODES, step::TRIGGER];
+const DRIVEN: [&str; 7] =
+    [step::DAC_TO_ADC, step::DELAY, step::NOISE, step::LOAD, step::CODES, step::TRIGGER, step::STALL];
 
 /// A device with a fault.
 fn with(change: impl FnOnce(&mut Options)) -> SimulatedDevice {
@@ -34,6 +35,18 @@ fn one_wrong_code() -> Alter {
                 is_planted = true;
             }
             Event::Digest(digest)
+        }
+        event => event,
+    })
+}
+
+/// Only the first rise of the trigger output begins a drive, as where a stall of the DMA is not mended.
+fn one_rise() -> Alter {
+    let mut first = None;
+    Box::new(move |event| match event {
+        Event::Trigger(report) => {
+            first = first.or(report.began);
+            Event::Trigger(TriggerReport { began: report.began.filter(|at| Some(*at) == first), ..report })
         }
         event => event,
     })
@@ -99,8 +112,9 @@ const CASES: &[Case] = &[
             Desk::new(SimulatedDevice::with_inputs(options, Box::new(FaultyWire::good())), None)
         },
         &[step::TRIGGER],
-        &[],
+        &[step::STALL],
     ),
+    ("trigger lost after a stall", || Desk::new(good(), Some(one_rise())), &[step::STALL], &[]),
     (
         "block of the inputs lost under load",
         || {
@@ -127,7 +141,7 @@ const CASES: &[Case] = &[
             desk
         },
         &[step::CODES],
-        &[step::TRIGGER, step::MUTE_TIME],
+        &[step::TRIGGER, step::STALL, step::MUTE_TIME],
     ),
     (
         "stuck button",
@@ -139,7 +153,17 @@ const CASES: &[Case] = &[
             desk
         },
         &[step::BUTTONS],
-        &[step::MUTE_TIME, DRIVEN[0], DRIVEN[1], DRIVEN[2], DRIVEN[3], DRIVEN[4], DRIVEN[5], step::STORE],
+        &[
+            step::MUTE_TIME,
+            DRIVEN[0],
+            DRIVEN[1],
+            DRIVEN[2],
+            DRIVEN[3],
+            DRIVEN[4],
+            DRIVEN[5],
+            DRIVEN[6],
+            step::STORE,
+        ],
     ),
 ];
 

@@ -3,6 +3,7 @@
 use super::queue::{CommandQueue, Next};
 use super::task::{Current, Job, Stage, Task};
 use super::upload::{BUSY_PAUSE, BUSY_TRIES};
+use crate::channel::writes_flash;
 use crate::error::LinkError;
 use crate::journal::Change;
 use crate::log::Severity;
@@ -107,7 +108,7 @@ impl CommandQueue {
             // A device that was just disarmed takes some milliseconds to switch its amplifier off; a ramp
             // takes longer.
             Event::Refused(refusal::Refusal::Busy(Busy::DriveActive))
-                if matches!(command, Command::Store | Command::Forget | Command::WriteProfile(_))
+                if writes_flash(&command)
                     && task.tries < BUSY_TRIES
                     && recorder.view.drive.status.is_some_and(|status| status.state != State::Driving) =>
             {
@@ -126,6 +127,7 @@ impl CommandQueue {
                 self.status_stale = true;
             }
             Event::Clock(reported) => recorder.take(task.ticket, |it| it.clock(reported)),
+            Event::BrownOut(reported) => recorder.take(task.ticket, |it| it.brown_out(reported)),
             Event::Table(report) => {
                 recorder.table(report);
                 let now_at = recorder.view.drive.status.map_or(0, |status| status.now);
@@ -248,6 +250,8 @@ impl CommandQueue {
             | Command::Analogue
             | Command::MutePin(_)
             | Command::Clock
+            | Command::Stall
+            | Command::BrownOut(_)
             | Command::SetTravelLimit(_)
             | Command::TravelLimit
             | Command::Trigger

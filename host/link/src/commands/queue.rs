@@ -121,6 +121,8 @@ impl CommandQueue {
                 Job::Send(Command::Board)
             }
             Request::ReadClock => Job::Send(Command::Clock),
+            Request::Stall => Job::Send(Command::Stall),
+            Request::BrownOut(order) => Job::Send(Command::BrownOut(order)),
             Request::Disarm => {
                 self.overtake(recorder, |job| job.yields_to(&Command::Disarm));
                 Job::Send(Command::Disarm)

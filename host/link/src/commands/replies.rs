@@ -3,7 +3,7 @@
 
 use super::queue::{CommandQueue, Next};
 use super::task::{Current, Job, Stage, Task};
-use crate::channel::{Answer, KEEP_ALIVE_PERIOD, Reply};
+use crate::channel::{Answer, KEEP_ALIVE_PERIOD, Reply, writes_flash};
 use crate::error::LinkError;
 use crate::foldback::FoldbackSteps;
 use crate::journal::Change;
@@ -25,7 +25,7 @@ impl CommandQueue {
     pub(crate) fn receive(&mut self, bytes: &[u8], recorder: &mut Recorder, now: Duration) -> Next {
         for answer in self.channel.receive(bytes, now) {
             // The round trip of a device that is erasing its flash does not characterize the link.
-            if !matches!(answer.command, Command::Store | Command::Forget | Command::WriteProfile(_)) {
+            if !writes_flash(&answer.command) {
                 recorder.round_trip(answer.round_trip);
             }
             let next = self.take_reply(answer, recorder, now);

@@ -79,7 +79,9 @@ const fn is_undone_by(command: &Command, stop: &Command) -> bool {
         | Command::Analogue
         | Command::MutePin(_)
         | Command::Clock
+        | Command::Stall
         | Command::WriteProfile(_)
+        | Command::BrownOut(_)
         | Command::Disarm
         | Command::Stop
         | Command::EmergencyStop

@@ -208,6 +208,7 @@ impl Uploads {
                 | Event::Analogue(_)
                 | Event::MutePin(_)
                 | Event::Clock(_)
+                | Event::BrownOut(_)
                 | Event::AcceptedUntil(_)
                 | Event::Unchanged(_)
                 | Event::Trigger(_)

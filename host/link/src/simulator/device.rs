@@ -27,7 +27,7 @@ use slipline_app::safety::boot::{self, Boot};
 use slipline_app::safety::thermal::Heat;
 use slipline_app::timing::TICK_BLOCKS;
 use slipline_app::{CrashRecord, Device, Link, Renderer, Supervisor, Timing, release};
-use slipline_protocol::board::Analogue;
+use slipline_protocol::board::{Analogue, SampleClock};
 use slipline_protocol::event::ResetCause;
 use slipline_protocol::units::SampleIndex;
 
@@ -54,8 +54,12 @@ pub struct Options {
     pub unit: [u8; 12],
     /// Whether it reports that its brown-out reset level is set.
     pub brown_out_guarded: bool,
+    /// The byte by which its chip codes its level of read protection: 0xaa is none.
+    pub read_protection: u8,
     /// Whether its mute pin lacks its resistor, so that its amplifier stays muted.
     pub mute_resistor_missing: bool,
+    /// What times its samples.
+    pub sample_clock: SampleClock,
     /// What it reports of its supply. Its DAC's output clips beyond the linear share that stands here.
     pub analogue: Analogue,
     /// The wires between its pins.
@@ -76,7 +80,9 @@ impl Default for Options {
             flash: MemoryFlash::default(),
             unit: *b"simulated-00",
             brown_out_guarded: true,
+            read_protection: 0xaa,
             mute_resistor_missing: false,
+            sample_clock: SampleClock::Exact,
             analogue: Analogue { reference_mv: 3300, linear_per_mille: 1000, ..Analogue::default() },
             wires: Wires::default(),
             mute_fault: None,
@@ -173,7 +179,9 @@ impl SimulatedDevice {
         {
             let mut state = peripherals.lock();
             state.mute_resistor_missing = options.mute_resistor_missing;
+            state.sample_clock = options.sample_clock;
             state.mute_fault = options.mute_fault;
+            state.read_protection = options.read_protection;
             state.analogue = options.analogue;
             state.mute();
         }
@@ -231,10 +239,12 @@ impl SimulatedDevice {
         device
     }
 
-    /// Resets the device: the flash and the record of crashes are kept, the remaining state restarts, and
+    /// Resets the device: the flash, the option bytes and the record of crashes are kept, the remaining state restarts, and
     /// the index starts from 0.
     pub fn restart(&mut self, cause: ResetCause) {
-        let options = Options { flash: self.flash(), first_index: 0, ..self.options.clone() };
+        let brown_out_guarded = self.peripherals.lock().brown_out_guarded;
+        let flash = self.flash();
+        let options = Options { flash, brown_out_guarded, first_index: 0, ..self.options.clone() };
         let kept = if cause == ResetCause::PowerOn { None } else { Some(self.kept.clone()) };
         let (boot, kept) = boot::decide(cause, kept);
         let inputs = self.peripherals.lock().inputs.take().and_then(Inputs::into_source);
@@ -290,6 +300,9 @@ impl SimulatedDevice {
             self.now = self.now.saturating_add(BLOCK as u64);
             self.poll_link();
             self.supervise();
+            if self.peripherals.lock().restarts {
+                self.restart(ResetCause::Software);
+            }
         }
     }
 

@@ -16,7 +16,8 @@ use slipline_app::ports::{
 use slipline_app::safety::fade::fade;
 use slipline_app::store::SLOT_BYTES;
 use slipline_protocol::board::{
-    Analogue, BoardReport, MuteFall, MuteResistor, MuteTrial, PinLevel, StopInput, UserButton,
+    Analogue, BoardReport, BrownOut, MuteFall, MuteResistor, MuteTrial, PinLevel, SampleClock, StopInput,
+    UserButton,
 };
 
 /// Erase cycles of each slot, as guaranteed by the data sheets of the boards' chips.
@@ -87,7 +88,11 @@ pub(super) struct PeripheralState {
     pub(super) inputs: Option<Inputs>,
     pub(super) flash: MemoryFlash,
     pub(super) brown_out_guarded: bool,
+    pub(super) read_protection: u8,
+    /// The device restarts with the brown-out level that it has written.
+    pub(super) restarts: bool,
     pub(super) mute_resistor_missing: bool,
+    pub(super) sample_clock: SampleClock,
     pub(super) mute_fault: Option<MuteFault>,
     /// The device is on the bench: the stop input is watched while the pin is low.
     on_bench: bool,
@@ -391,6 +396,7 @@ impl System for Peripherals {
                 (Some(false) | None, _) => StopInput::Unused,
             },
             trigger_input: self.has_trigger_input(),
+            sample_clock: state.sample_clock,
         }
     }
 
@@ -414,10 +420,34 @@ impl System for Peripherals {
         Some(MuteFall { low_after_us, within_us: 0 })
     }
 
+    /// The next block is late.
+    fn stall(&mut self) -> bool {
+        self.lock().underrun = true;
+        true
+    }
+
     fn fit_stop_input(&mut self, is_fitted: Option<bool>) {
         let mut state = self.lock();
         state.is_stop_fitted = is_fitted;
         state.break_if_open();
+    }
+
+    /// As on an F407, whose level 2 guards its board (FLASH_OPTCR: BOR_LEV in bits 2 and 3 counts down, RDP is the second byte).
+    fn brown_out(&self) -> Option<BrownOut> {
+        let state = self.lock();
+        let (needed, read_protection) = (2, state.read_protection);
+        let level = if state.brown_out_guarded { needed } else { 0 };
+        let options = 0x0fff_00e0 | u32::from(read_protection) << 8 | u32::from(3 - level) << 2;
+        Some(BrownOut { level, needed, options, read_protection, restarts: false })
+    }
+
+    fn raise_brown_out_level(&mut self) -> Result<(), FlashError> {
+        self.lock().brown_out_guarded = true;
+        Ok(())
+    }
+
+    fn restart(&mut self) {
+        self.lock().restarts = true;
     }
 
     fn enter_bootloader(&mut self) {

@@ -15,6 +15,7 @@ use crate::simulator::loopback::Loopback;
 use crate::sounding::Sounding;
 use crate::trace::TracedMessage;
 use serde::de::DeserializeOwned;
+use slipline_protocol::board::BrownOutOrder;
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::version::Compatibility;
 use slipline_protocol::{Command, refusal};
@@ -75,6 +76,8 @@ fn every_request_arrives_as_it_was_sent() {
         Request::Forget,
         Request::WriteProfile(Box::new(None)),
         Request::Bootloader,
+        Request::Stall,
+        Request::BrownOut(BrownOutOrder { is_written: true }),
         Request::Refresh,
         Request::AutoReconnect(true),
         Request::Observe,

@@ -224,6 +224,7 @@ impl App {
             Confirm::Store => DeviceIntent::Store,
             Confirm::Forget => DeviceIntent::Forget,
             Confirm::Bootloader => DeviceIntent::Bootloader,
+            Confirm::BrownOutLevel => DeviceIntent::RaiseBrownOutLevel,
         };
         if confirm == Confirm::Arm
             && let Some(unit) = snapshot.unit()

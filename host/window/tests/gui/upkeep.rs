@@ -160,6 +160,26 @@ fn the_device_panel_shows_the_wear_of_the_flash_and_the_brown_out_level() {
 }
 
 #[test]
+fn the_brown_out_level_is_set_behind_a_question_that_names_the_risk() {
+    let link = telling(State::Idle, Some(UNGUARDED));
+    let mut window = opened(link.clone(), [1280.0, 800.0]);
+    click(&mut window, "Device");
+    click(&mut window, "Set brown-out level…");
+    assert!(window.query_by_label_contains("the way back erases its whole flash").is_some());
+    let orders = || link.sent.borrow().iter().filter(|it| matches!(it, Request::BrownOut(_))).count();
+    assert_eq!(orders(), 0);
+    click(&mut window, "Set");
+    assert_eq!(orders(), 1);
+
+    let mut window = opened(
+        telling(State::Idle, Some(Maintenance { brown_out_guarded: true, ..UNGUARDED })),
+        [1280.0, 800.0],
+    );
+    click(&mut window, "Device");
+    assert!(window.query_by_label("Set brown-out level…").is_none());
+}
+
+#[test]
 fn the_device_panel_reports_whether_the_actuators_travel_is_limited() {
     let limit = TravelLimit { resonance_uhz: 50_000_000, quality_per_mille: 4000, static_ppm: 2_000_000 };
     for (minor, limit, wanted) in [

@@ -2,6 +2,7 @@
 
 use super::Drive;
 use slipline_link::Request;
+use slipline_link::protocol::board::BrownOutOrder;
 use slipline_link::protocol::event::State;
 use slipline_link::protocol::limits::LEASE_MS;
 use slipline_link::protocol::profile::ActuatorProfile;
@@ -31,12 +32,15 @@ pub enum DeviceIntent {
     Forget,
     /// Restart into the bootloader.
     Bootloader,
+    /// Write the brown-out level that the board needs, and restart. The caller has asked the user
+    /// ([`upkeep::OPTION_BYTES_RISK`](slipline_link::upkeep::OPTION_BYTES_RISK)), who holds the board's button.
+    RaiseBrownOutLevel,
 }
 
 impl Drive {
     /// Carries out a request of the user to the device.
     pub fn perform(&mut self, intent: DeviceIntent) {
-        if matches!(intent, DeviceIntent::Store | DeviceIntent::Forget) {
+        if matches!(intent, DeviceIntent::Store | DeviceIntent::Forget | DeviceIntent::RaiseBrownOutLevel) {
             self.disarm_to_write();
         }
         let ticket = self.send(match intent {
@@ -49,6 +53,7 @@ impl Drive {
             DeviceIntent::Store => Request::Store,
             DeviceIntent::Forget => Request::Forget,
             DeviceIntent::Bootloader => Request::Bootloader,
+            DeviceIntent::RaiseBrownOutLevel => Request::BrownOut(BrownOutOrder { is_written: true }),
         });
         if intent == DeviceIntent::ClearFaults {
             self.tickets.clear = Some(ticket);

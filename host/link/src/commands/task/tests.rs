@@ -9,7 +9,7 @@ use crate::listen::{Captured, Listened};
 use crate::recorder::Recorder;
 use crate::request::{Outcome, Request};
 use crate::table::DeviceTable;
-use slipline_protocol::board::MuteStep;
+use slipline_protocol::board::{BrownOutOrder, MuteStep};
 use slipline_protocol::command::{
     Apply, ArmLease, Chord, Comb, DigestWindow, Drive, Hello, KeepAlive, ProfileSetting, TableChunk,
     TableHeader, TravelSetting,
@@ -111,7 +111,9 @@ fn commands() -> Vec<(Command, [Fate; 3])> {
         Command::Analogue = Command::Analogue, Kept, Kept, Kept;
         Command::MutePin(_) = Command::MutePin(MuteStep::default()), Kept, Kept, Kept;
         Command::Clock = Command::Clock, Kept, Kept, Kept;
+        Command::Stall = Command::Stall, Kept, Kept, Kept;
         Command::WriteProfile(_) = Command::WriteProfile(ProfileSetting::default()), Kept, Kept, Kept;
+        Command::BrownOut(_) = Command::BrownOut(BrownOutOrder { is_written: true }), Kept, Kept, Kept;
         Command::Arm = Command::Arm, Kept, Dropped, Kept;
         Command::ArmFor(_) = Command::ArmFor(ArmLease { lease_ms: 1000 }), Kept, Dropped, Kept;
         Command::Bench(_) = Command::Bench(ArmLease { lease_ms: 1000 }), Kept, Dropped, Kept;

@@ -16,7 +16,7 @@ use crate::view::theme;
 use crate::view::theme::GAP;
 use eframe::egui::os::OperatingSystem;
 use eframe::egui::{self, RichText};
-use slipline_link::udev;
+use slipline_link::{udev, upkeep};
 use slipline_model::export::report;
 
 /// Every key and what it does.
@@ -299,6 +299,11 @@ const fn words(confirm: Confirm) -> (&'static str, &'static str, &'static str) {
             "The device leaves Slipline and waits for new firmware. It comes back after flashing, or when it is plugged in again. Where the board keeps a profile, press its user button and hold it meanwhile.",
             "Restart",
         ),
+        Confirm::BrownOutLevel => (
+            "Set the board's brown-out level?",
+            "The board writes the level that it needs, and restarts. Press its user button and hold it meanwhile.",
+            "Set",
+        ),
     }
 }
 
@@ -315,6 +320,11 @@ fn confirmation(ui: &mut egui::Ui, confirm: Confirm, scene: &Scene<'_>, intents:
         ui.add(egui::Label::new(warning).wrap());
         ui.add(egui::Label::new("Slipline asks this once for each board.").wrap());
         verb = "Arm anyway";
+    }
+    if confirm == Confirm::BrownOutLevel {
+        ui.add_space(6.0);
+        let risk = RichText::new(upkeep::OPTION_BYTES_RISK).color(theme::palette(ui).warn);
+        ui.add(egui::Label::new(risk).wrap());
     }
     ui.add_space(10.0);
     ui.horizontal(|ui| {

@@ -164,6 +164,11 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         for warning in warnings {
             ui.label(RichText::new(warning).small().color(palette.warn));
         }
+        if !maintenance.brown_out_guarded && snapshot.sets_brown_out_level() {
+            ui.button("Set brown-out level…")
+                .on_hover_text("Have the board write the level into its chip's option bytes, once")
+                .asks(intents, Intent::Dialog(Some(Dialog::Confirm(Confirm::BrownOutLevel))));
+        }
     }
     if let Some(wear) = snapshot.device.wear.as_ref().filter(|_| snapshot.keeps_profile()) {
         row(ui, "Profile's flash", upkeep::profile_wear(wear));
