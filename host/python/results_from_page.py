@@ -30,6 +30,7 @@ CLASSES = {
     "Verification": ("verify", "", "The device's codes beside those that they should be."),
     "Selftest": ("selftest", "", "The report of a board's self-test."),
     "Status": ("info", "", "What a device reports of itself."),
+    "Harmonics": ("measure --harmonics", "", "The measured harmonics of a drive."),
     "Trim": ("trim", "", "The wave speed of a calibrated plate, measured once and then again and again."),
     "Sweep": ("sweep", "", "A sweep for a separate recorder."),
     "Profile": ("profile", "", "The profile of a board's actuator."),
@@ -52,6 +53,10 @@ OWN = {
     "Calibration": {
         "plate": ("Plate | None", "The calibrated plate; None where it is not accepted"),
         "measurements": ("list[Measurement]", "What it was fitted to; none by touches"),
+    },
+    "Harmonics": {
+        "plate": ("Plate", "The measured plate, which states these harmonics"),
+        "warnings": ("list[str]", "What was not measured, as sentences"),
     },
     "Trim": {"plate": ("Plate", "The plate of the latest wave speed")},
     "Drive": {
@@ -125,7 +130,7 @@ def sections() -> dict[str, Node]:
     found: dict[str, Node] = {}
     node = None
     for line in PAGE.read_text(encoding="utf-8").splitlines():
-        if heading := re.match(r"## (?:`slipline ([a-z]+)`$)?", line):
+        if heading := re.match(r"## (?:`slipline ([a-z]+(?: --harmonics)?)`$)?", line):
             node = found.setdefault(heading[1], Node()) if heading[1] else None
         elif node is not None and (row := re.match(r"\| `([^`]+)` \| (.+?) \| (.+) \|$", line)):
             insert(node, row[1], row[2], row[3])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -67,3 +68,58 @@ def test_a_sweep_is_played_and_described_as_by_the_command_line(tmp_path: Path, 
         slipline.Measurement.read(
             tmp_path / "silence.wav", plate=plate, place_m=PLACE_M, kind="velocity", played=tmp_path / "sweep.toml"
         )
+
+
+def test_harmonics_are_measured_as_by_the_command_line_and_cancelled(command: Any) -> None:
+    options = ("--sensor", "32mm", "--harmonics", "2", "--level", "0.8")
+    shown = command("measure", "--port", "sim", "--plate", "membrane", *options).answer()
+    membrane = slipline.Plate("membrane")
+    with slipline.connect("sim", actual_plate=membrane, sensor_m=0.032) as device:
+        device.use(membrane)
+        device.arm()
+        with pytest.raises(slipline.Refused, match="states no harmonics"):
+            device.drive(turning_point_m=0.12, cancel_harmonics=True)
+        found = device.measure_harmonics(0.032, points=2, level=0.8)
+        assert device.status().state == "Idle"
+        assert set(found.to_dict()) == set(shown) - {"schema", "files"}
+        assert [harmonic.order for harmonic in found.harmonics] == [2, 3] and found.harmonic_level == 0.8
+        for harmonic, other in zip(found.harmonics, shown["harmonics"], strict=True):
+            assert list(harmonic.frequency_hz) == other["frequency_hz"]
+            assert harmonic.unclear == 0 and max(harmonic.ratio_db) < -60.0
+        assert found.toml == found.plate.to_toml() and "harmonic_2_points" in found.toml and found.warnings == []
+        device.use(found.plate)
+        device.arm()
+        drive = device.drive(turning_point_m=0.12, level=0.5, cancel_harmonics=True)
+        assert device.status().state == "Driving"
+        assert drive.tones[0].second_boundary_m is None
+        for wrong, words in (({"points": 1}, "points = 1"), ({"level": 2.0}, "level = 2"), ({"place_m": 9.0}, "place_m = 9")):
+            with pytest.raises(slipline.OutOfRange, match=words):
+                device.measure_harmonics(**{"place_m": 0.032, **wrong})
+
+
+def test_the_amplifier_of_the_simulated_device_is_tested() -> None:
+    membrane = slipline.Plate("membrane")
+    with slipline.connect("sim", actual_plate=membrane, sensor_m=0.032) as device:
+        verdicts = {step.name: step.verdict for step in device.selftest(amplifier=True).steps}
+        assert (verdicts["amplifier"], verdicts["mute"], verdicts["codes"]) == ("green", "green", "skipped")
+        assert device.status().state == "Idle"
+        with pytest.raises(slipline.Refused, match="without wires"):
+            device.selftest(amplifier=True, sensor_wire=True)
+
+
+def test_a_current_that_images_may_falsify_is_warned_of() -> None:
+    plate = slipline.Plate("al-bending")
+    with slipline.connect("sim", actual_plate=plate, sensor_m=0.034) as device:
+        device.use(plate)
+        circuit: dict[str, Any] = {"input": "current", "points": 16}
+        current = device.measure(**circuit)
+        # What the rig's data sheets would state: the current of a piezo of 2 nF at 60 V.
+        shunt_a = 2.0 * math.pi * current.frequency_hz[0] * 2e-9 * 60.0 / abs(current.response[0])
+        circuit |= {"amplifier_v": 60.0, "piezo_f": 2e-9, "shunt_a": float(shunt_a)}
+        with pytest.warns(UserWarning, match="state the bandwidth of the amplifier"):
+            device.measure(**circuit)
+        with pytest.warns(UserWarning, match="may falsify the current by"):
+            device.measure(**circuit, amplifier_bandwidth_hz=120e3)
+        device.measure(**circuit, amplifier_bandwidth_hz=120e3, filter_bandwidth_hz=120e3)
+        with pytest.raises(slipline.OutOfRange, match="amplifier_bandwidth_hz = 1 Hz"):
+            device.measure(**circuit, amplifier_bandwidth_hz=1.0)

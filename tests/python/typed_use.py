@@ -80,6 +80,13 @@ async def devices(plate: slipline.Plate) -> None:
         measured: slipline.Measurement = device.measure(0.03, points=16, low_hz=90.0, high_hz=180.0, sweep=False)
         print(measured, device.verify(tones=3).equal, device.sample_rate_hz)
         report = device.selftest(sensor_wire=True, trigger_wire=True, amplifier_unplugged=False, short=True)
+        device.selftest(amplifier=True)
+        harmonics = device.measure_harmonics(0.03, points=8, level=0.8)
+        stated: slipline.Plate = harmonics.plate
+        ratios: list[NDArray[np.float64]] = [one.ratio_db for one in harmonics.harmonics]
+        device.drive(turning_point_m=0.16, cancel_harmonics=True)
+        device.measure(input="current", amplifier_v=60.0, piezo_f=2e-9, shunt_a=1.0, amplifier_bandwidth_hz=1.2e5, filter_bandwidth_hz=1.2e5)
+        print(stated, ratios, plate.check(linear_share=0.88).worst, harmonics.warnings)
         print(report.passed, [step.verdict for step in report.steps], report.steps[0].readings[0].value)
         try:
             device.emergency_stop()

@@ -253,3 +253,22 @@ fn a_newer_chord_takes_the_place_of_a_drive_that_waits() {
     rig.live_ms(10);
     assert!(rig.recording.first_sound(rig.recording.first).is_some_and(|first| first < at + 2 * BLOCK));
 }
+
+#[test]
+fn a_chord_is_fitted_to_the_linear_part_of_the_devices_output() {
+    let identity = Loopback::connect(RATE_HZ).unwrap().view().device.identity.clone().unwrap();
+    let loud = loud();
+    let tone = |tone: &slipline_protocol::command::ChordTone| HarmonicRequest {
+        harmonic: tone.harmonic,
+        level: f64::from(tone.level.0) / 65_535.0,
+        phase_turns: f64::from(tone.phase.0) / 4_294_967_296.0,
+    };
+    let chord = ChordRequest::of(12, loud.tones.iter().map(tone).collect());
+    for linear in [1.0, 0.88] {
+        let fitted =
+            chord.clone().fitted(&identity, &table(), linear).unwrap().for_device(&identity, None).unwrap();
+        let (low, high) = chord_extent(&fitted, &table()).unwrap().codes();
+        let swing = f64::from((high - MID).max(MID - low)) / 2048.0;
+        assert!(swing <= linear + 1e-3 && swing > linear - 0.01, "{linear}: {low} {high}");
+    }
+}

@@ -96,11 +96,15 @@ impl CalibrationWizard {
         self.places_m
     }
 
-    /// What a sensor that stands on the plate may weigh at these places, as a sentence; `None` where the plate file does not state
-    /// what this needs.
+    /// Which sensors suit this plate at these places, as sentences.
     #[must_use]
-    pub fn mass_note(&self) -> Option<&str> {
-        self.mass_note.as_deref()
+    pub fn sensor_note(&self) -> String {
+        let of_masses = self.mass_note.as_deref().unwrap_or(
+            "What a sensor that stands on it may weigh is not known: the file states neither a tension nor a thickness.",
+        );
+        format!(
+            "A laser suits every plate. {of_masses} A microphone measures the sound of the whole plate, not of a place."
+        )
     }
 
     /// The measured response at the first (0) or second (1) place.

@@ -333,15 +333,14 @@ impl Recorder {
                 self.log(Severity::Error, format!("Fault: {text}."));
             }
         }
-        let share = self.view.linear_share();
-        let sum = |status: &Status| f64::from(status.sum_per_mille) / 1e3;
-        if sum(&status) > share && self.view.drive.status.is_none_or(|before| sum(&before) <= share) {
-            self.log(Severity::Warning, upkeep::beyond_linear(sum(&status), share));
-        }
+        let was_flattened = self.view.flattened().is_some();
         if self.view.drive.status.as_ref().map(seen) != Some(seen(&status)) {
             self.touch();
         }
         self.view.drive.status = Some(status);
+        if let Some(caution) = self.view.flattened().filter(|_| !was_flattened) {
+            self.log(Severity::Warning, caution);
+        }
         self.view.drive.status_time = self.now;
         self.settle();
         self.changed = true;

@@ -330,6 +330,14 @@ impl Snapshot {
         if (1..1000).contains(&reported) { f64::from(reported) / 1e3 } else { 1.0 }
     }
 
+    /// The caution that the tones that sound add up to more than the linear share of the DAC's output, if they do.
+    #[must_use]
+    pub fn flattened(&self) -> Option<String> {
+        let share = self.linear_share();
+        let sum = f64::from(self.drive.status?.sum_per_mille) / 1e3;
+        (sum > share).then(|| upkeep::beyond_linear(sum, share))
+    }
+
     /// The travel limit with the lower resonance, of the session's and the profile's that the device enforces: it
     /// makes glides longer.
     pub(crate) fn slowest_limit(&self) -> Option<TravelLimit> {

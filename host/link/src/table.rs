@@ -254,11 +254,21 @@ impl DeviceTable {
     /// # Errors
     /// [`Refusal::Headroom`], as the device would reply.
     pub fn check_sum(&self, tones: &[(f64, f64)]) -> Result<(), Refusal> {
+        Refusal::check_sum(self.sum(tones), Gain::FULL)
+    }
+
+    /// The sum of these tones' amplitudes, over full scale.
+    #[must_use]
+    pub fn sum_of(&self, tones: &[(f64, f64)]) -> f64 {
+        self.sum(tones) as f64 / f64::from(Gain::FULL.0)
+    }
+
+    fn sum(&self, tones: &[(f64, f64)]) -> u64 {
         let amplitude = |&(boundary_m, level): &(f64, f64)| {
             let gain = self.setting(self.position(boundary_m)?.fine()).gain;
             Some(u64::from(gain.times(Gain::FULL.scaled(self::level(level)?)).0))
         };
-        Refusal::check_sum(tones.iter().filter_map(amplitude).sum(), Gain::FULL)
+        tones.iter().filter_map(amplitude).sum()
     }
 
     /// The frequency the device plays for a boundary at this position, in Hz.

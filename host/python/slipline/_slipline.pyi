@@ -7,7 +7,7 @@ from collections.abc import Coroutine, Iterator, Sequence
 from numpy.typing import ArrayLike
 from os import PathLike
 from slipline._rest import Rest
-from slipline.results import Calibration, Check, Design, Drive, Field, Merit, PortInfo, Profile, Result, Results, Selftest, Simulation, Status, Sweep, Table, Texture, Trim, Verification
+from slipline.results import Calibration, Check, Design, Drive, Field, Harmonics, Merit, PortInfo, Profile, Result, Results, Selftest, Simulation, Status, Sweep, Table, Texture, Trim, Verification
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
 __all__ = ["VERSION", "Device", "Measurement", "Plate", "_Study", "_find_numpy", "connect", "design", "ports", "presets"]
@@ -71,7 +71,7 @@ class Device:
         """
         Ramps to silence and mutes the amplifier; returns when it is silent.
         """
-    def drive(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 0.8, tones: Any | None = None, glide_s: SupportsFloat | SupportsIndex = 0.02, at: SupportsIndex | str | None = None) -> Drive:
+    def drive(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 0.8, tones: Any | None = None, glide_s: SupportsFloat | SupportsIndex = 0.02, at: SupportsIndex | str | None = None, cancel_harmonics: bool = False) -> Drive:
         """
         Plays tones, to which those that sound glide.
 
@@ -80,6 +80,10 @@ class Device:
         result is then ``None`` until :meth:`wait` has seen it begin. An index is rounded up to a block of 128 samples. The device
         has room for one change ahead: this call waits until an earlier one for an index has begun, and until its own index is
         less than a minute ahead.
+
+        ``cancel_harmonics`` plays companions at twice and three times the frequency of each tone, opposite to the harmonics of the drive
+        that the plate states: up to five tones, which begin in silence and do not glide. Of several tones the sums of their
+        frequencies stay.
 
         Where a newer drive or a stop of another thread takes its place before the device has accepted it, ``superseded`` of the
         result is true, and ``at_samples`` is ``None``.
@@ -100,7 +104,7 @@ class Device:
         Leave the plate untouched until it returns. ``max_rise_db``: the largest rise of a tone, 0 to 20 dB. Raises
         ``TimeoutError`` after ``timeout`` seconds.
         """
-    def measure(self, /, place_m: SupportsFloat | SupportsIndex | None = None, kind: str = "displacement", input: str = "sensor", *, points: SupportsIndex | None = None, low_hz: SupportsFloat | SupportsIndex | None = None, high_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex | None = None, sweep: bool = False, amplifier_v: SupportsFloat | SupportsIndex | None = None, coil_ohm: SupportsFloat | SupportsIndex | None = None, piezo_f: SupportsFloat | SupportsIndex | None = None, shunt_a: SupportsFloat | SupportsIndex | None = None, sensor_mass_kg: SupportsFloat | SupportsIndex = 0.0, sensor_width_m: SupportsFloat | SupportsIndex = 0.0) -> Measurement:
+    def measure(self, /, place_m: SupportsFloat | SupportsIndex | None = None, kind: str = "displacement", input: str = "sensor", *, points: SupportsIndex | None = None, low_hz: SupportsFloat | SupportsIndex | None = None, high_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex | None = None, sweep: bool = False, amplifier_v: SupportsFloat | SupportsIndex | None = None, coil_ohm: SupportsFloat | SupportsIndex | None = None, piezo_f: SupportsFloat | SupportsIndex | None = None, shunt_a: SupportsFloat | SupportsIndex | None = None, amplifier_bandwidth_hz: SupportsFloat | SupportsIndex | None = None, filter_bandwidth_hz: SupportsFloat | SupportsIndex | None = None, sensor_mass_kg: SupportsFloat | SupportsIndex = 0.0, sensor_width_m: SupportsFloat | SupportsIndex = 0.0) -> Measurement:
         """
         Measures the response of the sensor at ``place_m`` to the device's tones; arms the device, and disarms it then, also where
         it fails or another thread stops it.
@@ -108,8 +112,18 @@ class Device:
         ``kind``: what the sensor measures; ``input``: ``"sensor"``, or ``"current"`` of the drive, which has no place. ``points``
         frequencies lie from ``low_hz`` to ``high_hz``; ``level`` is 0 to 1; ``sweep`` plays a gliding tone. By the drive circuit,
         the amplifier's volts and the shunt's amperes at full scale and the coil's resistance or the piezo's capacitance, quiet tones
-        check that the drive is on. ``sensor_mass_kg`` and ``sensor_width_m`` are those of a sensor that stands on the plate; the
-        sensor of the simulated device has none.
+        check that the drive is on; ``amplifier_bandwidth_hz`` and ``filter_bandwidth_hz``, each of second order, bound the images that
+        fold onto a measured current (a ``UserWarning`` where a piezo's may be more than 5 % wrong). ``sensor_mass_kg`` and
+        ``sensor_width_m`` are those of a sensor that stands on the plate; the sensor of the simulated device has none.
+        """
+    def measure_harmonics(self, /, place_m: SupportsFloat | SupportsIndex, kind: str = "displacement", *, points: SupportsIndex = 8, level: SupportsFloat | SupportsIndex = 0.5, sensor_mass_kg: SupportsFloat | SupportsIndex = 0.0, sensor_width_m: SupportsFloat | SupportsIndex = 0.0) -> Harmonics:
+        """
+        Measures the second and third harmonic that the drive adds to tones, as ``slipline measure --harmonics``, by a sensor at
+        ``place_m`` near the driven end; arms the device, and disarms it then.
+
+        ``points``, 2 to 64, fundamentals lie over the plate's span, at ``level`` (0.001 to 1) of the table's full scale. The result has
+        ``plate``, the plate in use with these harmonics, and ``harmonics``, the second and the third. Give it to :meth:`use`, and
+        ``drive(cancel_harmonics=True)`` plays tones that cancel them.
         """
     def open(self, /) -> Device:
         """
@@ -146,19 +160,22 @@ class Device:
         """
         Samples of the device's DAC per second.
         """
-    def selftest(self, /, *, sensor_wire: bool = False, trigger_wire: bool = False, amplifier_unplugged: bool = False, short: bool = False) -> Selftest:
+    def selftest(self, /, *, sensor_wire: bool = False, trigger_wire: bool = False, amplifier_unplugged: bool = False, short: bool = False, amplifier: bool = False) -> Selftest:
         """
         Tests the board by itself, as ``slipline selftest``, with its amplifier muted, and leaves it disarmed.
 
         ``sensor_wire``: a wire leads from the DAC's pin to the sensor's; ``trigger_wire``: one leads from the trigger output to the
         trigger input. ``amplifier_unplugged`` permits the step that takes the mute pin high, and ``short`` takes three seconds. The
         result has ``passed`` and ``steps``, each with ``verdict``: a step without its wire is ``"skipped"``.
+
+        ``amplifier`` tests the amplifier instead, connected and switched on, by tones at -40 dB with it muted and then on: do this once
+        all else has passed. The simulated device has one with ``sensor_m`` of :func:`slipline.connect`.
         """
     def sequence(self, /, drives: Any, *, timeout: SupportsFloat | SupportsIndex | None = None) -> list[Drive]:
         """
         Plays drives, each from its sample index on, and returns their results when the last one is accepted.
 
-        ``drives`` is a sequence of dictionaries: ``at``, and the other keywords of :meth:`drive`; one without tones ends what
+        ``drives`` is a sequence of dictionaries: ``at``, and the other keywords of :meth:`drive` but ``cancel_harmonics``; one without tones ends what
         sounds. Each is sent when the one before has begun, some milliseconds later: those that follow each other more closely are
         refused as late, and the device is stopped. A stop or a drive of another thread ends the sequence; the drives that it has
         kept from being sent are ``superseded``.
@@ -383,11 +400,13 @@ class Plate:
         Raises ``OutOfRange``, ``Refused`` and ``BadFile``. After Ctrl-C the fit runs on in the background, and its
         result is dropped.
         """
-    def check(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 1.0, off_centre: bool = False) -> Check:
+    def check(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 1.0, off_centre: bool = False, linear_share: SupportsFloat | SupportsIndex = 1.0) -> Check:
         """
         The lights of the plate, as ``slipline check``: at one place, or the worst over its span.
 
         ``level`` is that of the tone, 0 to 1 of the table's full scale; ``off_centre`` is a drive beside the centre line.
+        ``linear_share`` is the share of full scale within which the output of a board's DAC is linear, 0.1 to 1: ``linear_share`` of
+        :meth:`Device.status`.
         ``.worst`` is the worst colour; ``.lights`` is a list with ``name``, ``value``, ``unit``, ``colour`` and ``sentence``.
 
         Raises ``OutOfRange``; ``Refused`` if no tone of this level has this felt edge, or the plate has no table.

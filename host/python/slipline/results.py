@@ -31,6 +31,8 @@ __all__ = [
     "DriveTone",
     "Field",
     "FieldTwoDimensions",
+    "Harmonics",
+    "HarmonicsHarmonic",
     "Light",
     "Merit",
     "PortInfo",
@@ -912,6 +914,43 @@ class Status(Result):
     """State of the user button."""
     worst_block: float | None
     """Time of the longest block over its limit."""
+
+
+class HarmonicsHarmonic(Result):
+    """One of ``harmonics`` of a result."""
+
+    frequency_hz: NDArray[np.float64]
+    """Frequency of the tone or of each answer; Hz."""
+    lead_deg: NDArray[np.float64]
+    """By how much the harmonic leads ``order`` times the fundamental's phase; degrees."""
+    order: int
+    """Frequency of the harmonic over that of its tone."""
+    ratio_db: NDArray[np.float64]
+    """Harmonic of the drive over its fundamental; dB."""
+    ratio_noise: float
+    """Largest standard deviation of the harmonic over its fundamental, by the noise of the input."""
+    unclear: int
+    """Frequencies at which the sensor does not receive the harmonic's frequency clearly, which are left out."""
+
+
+class Harmonics(Result):
+    """The measured harmonics of a drive."""
+
+    _nested = {"harmonics": "HarmonicsHarmonic"}
+
+    harmonic_level: float
+    """Level of the tones at which the harmonics were measured, over the table's full scale."""
+    harmonics: Results[HarmonicsHarmonic]
+    kind: str | None
+    """What the sensor measures: displacement, velocity, acceleration or strain; None of a current."""
+    place_m: float
+    """Place of the sensor; m."""
+    plate: Plate
+    """The measured plate, which states these harmonics."""
+    toml: str
+    """The plate file."""
+    warnings: list[str]
+    """What was not measured, as sentences."""
 
 
 class TrimBegin(Result):

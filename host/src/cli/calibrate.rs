@@ -239,7 +239,7 @@ fn read_or_measured(
     let request = arguments.band.request(arguments.level, arguments.known.stated()?);
     let by = ByDevice { port, request, arming: &arguments.arming };
     let measured = match arguments.measured.current {
-        Some(_) => vec![current(nominal, &by)?],
+        Some(of) => vec![current(nominal, &by, of == CurrentOf::Piezo)?],
         None => at_places(nominal, &by, &arguments.sensor)?,
     };
     Ok((measured, Vec::new()))

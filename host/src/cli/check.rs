@@ -22,6 +22,9 @@ pub struct CheckArguments {
     /// The tone's level, 0 to 1.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "1")]
     level: f64,
+    /// Share of full scale within which the DAC's output is linear, 0.1 to 1, as `slipline info` reports it of a board (0.88).
+    #[arg(long, value_name = "SHARE", value_parser = argument::level, allow_hyphen_values = true, default_value = "1")]
+    linear_share: f64,
     /// The drive acts beside the centre line.
     #[arg(long)]
     off_centre: bool,
@@ -33,8 +36,8 @@ pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failu
     let turning_point_m = arguments.turning_point.as_ref();
     let turning_point_m =
         turning_point_m.map(|place| place.turning_point_on(&plate, "--turning-point")).transpose()?;
-    let conditions =
-        Conditions { level: arguments.level, off_centre: arguments.off_centre, ..Conditions::default() };
+    let &CheckArguments { level, off_centre, linear_share, .. } = arguments;
+    let conditions = Conditions { level, off_centre, linear_share, ..Conditions::default() };
     let report = progress::watched("check", |progress| check(&plate, turning_point_m, conditions, progress))
         .map_err(Failure::refused)?;
     output::print(as_json, &json!(CheckAnswer::of(&report)), |out| {

@@ -10,7 +10,7 @@ use super::hold::{HoldArgument, Holder};
 use super::input_lines::{InputLines, Wake};
 use super::known_drive::{self, KnownDriveArgument};
 use super::rig::PortArgument;
-use super::setup_source::{SetupArgument, SetupSource};
+use super::setup_source::{SetupArgument, SetupSource, at_master_level};
 use super::{output, progress, source, tones};
 use crate::signals::{self, Signal};
 use clap::{Args, ValueEnum};
@@ -18,7 +18,7 @@ use serde_json::json;
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::event::Fault;
 use slipline_link::protocol::limits::LEASE_MS;
-use slipline_link::{DeviceTable, Snapshot, Sounding};
+use slipline_link::{DeviceTable, Snapshot, Sounding, upkeep};
 use slipline_model::answer::ToneAnswer;
 use slipline_model::companions::with_companions;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
@@ -210,6 +210,11 @@ impl<'a> Drive<'a> {
         if arguments.stdin && matches!(sounding, Sounding::Chord(_)) {
             let why = "--stdin: the setup is a chord, whose tones stand still; drive it without --stdin";
             return Err(Failure::usage(why));
+        }
+        let (sum, share) = (table.sum_of(&at_master_level(&setup)), snapshot.linear_share());
+        // A chord is fitted to it.
+        if sum > share && !matches!(sounding, Sounding::Chord(_)) {
+            output::note(format_args!("slipline: {}", upkeep::beyond_linear(sum, share)));
         }
         let shown = if arguments.cancel_harmonics { setup.without_harmonics() } else { setup.clone() };
         let (places, gain_db) = TonePlaces::as_played(shown, Some(&sounding), &plate_table);

@@ -5,13 +5,13 @@ use super::device::LoadedDevice;
 use super::failure::Failure;
 use super::progress;
 use clap::{ArgGroup, Args};
-use slipline_instrument::measure::KnownDrive;
 use slipline_instrument::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT, ampere, farad, ohm, volt};
+use slipline_instrument::measure::{BANDWIDTH, Bandwidths, KnownDrive};
 use slipline_instrument::native::ClientError;
 use slipline_instrument::requests::circuit_of;
 use slipline_plate::calibrate::DriveCheck;
 use slipline_plate::quantity::number_format::significant;
-use slipline_plate::quantity::{Measure, NotAllowed, QuantityError, Range, TypedRange};
+use slipline_plate::quantity::{self, Measure, NotAllowed, QuantityError, Range, TypedRange};
 
 /// The circuit from the DAC to the drive, from data sheets: all values or none.
 #[derive(Debug, Args)]
@@ -31,6 +31,13 @@ pub(super) struct KnownDriveArgument {
     /// The current at the end of the range of the device's second input, behind the shunt (1.65A), 1 nA to 1000 A.
     #[arg(long, value_name = "AMPERE", value_parser = of_circuit(ampere, SHUNT), allow_hyphen_values = true, requires = "amplifier")]
     shunt: Option<f64>,
+    /// The bandwidth of the amplifier (120kHz), a low-pass of second order, 10Hz to 100MHz. It bounds the images of the tones above half
+    /// of the sample rate that fold onto a measured current.
+    #[arg(long, value_name = "F", value_parser = of_circuit(quantity::frequency_hz, BANDWIDTH), allow_hyphen_values = true, requires = "amplifier")]
+    amplifier_bandwidth: Option<f64>,
+    /// The bandwidth of a filter of second order before the amplifier or before the input of the current, 10Hz to 100MHz.
+    #[arg(long, value_name = "F", value_parser = of_circuit(quantity::frequency_hz, BANDWIDTH), allow_hyphen_values = true, requires = "amplifier")]
+    filter_bandwidth: Option<f64>,
 }
 
 /// A parser of a quantity of the circuit.
@@ -44,7 +51,9 @@ fn of_circuit(
 impl KnownDriveArgument {
     /// The drive circuit of the arguments. The parser refuses an incomplete one itself.
     pub(super) fn stated(&self) -> Result<Option<KnownDrive>, Failure> {
-        circuit_of(self.amplifier, self.coil, self.piezo, self.shunt).map_err(Failure::usage)
+        let bandwidths =
+            Bandwidths { amplifier_hz: self.amplifier_bandwidth, filter_hz: self.filter_bandwidth };
+        circuit_of(self.amplifier, self.coil, self.piezo, self.shunt, bandwidths).map_err(Failure::usage)
     }
 }
 

@@ -10,7 +10,9 @@ use super::progress;
 use super::rig::PortArgument;
 use super::source::is_standard_input_taken;
 use clap::Args;
-use slipline_instrument::measure::{KnownDrive, MeasureError, Measured, POINTS, Sensor, current_sensor};
+use slipline_instrument::measure::{
+    KnownDrive, MeasureError, Measured, POINTS, Sensor, Warning, current_sensor,
+};
 use slipline_instrument::native;
 use slipline_instrument::requests::{Frequencies, MeasureRequest};
 use slipline_instrument::rig::{PreparedRig, RigOptions};
@@ -76,9 +78,6 @@ impl<'a> Measurer<'a> {
         plate: &'a Plate,
         request: &MeasureRequest,
     ) -> Result<Self, Failure> {
-        let refused = |error: MeasureError| {
-            if error == MeasureError::NoInputs { Failure::failed(error) } else { Failure::refused(error) }
-        };
         let table = device.make_table(plate)?;
         // Refused before the table is uploaded.
         let measurer = native::Measurer::new(device, plate, &table, request).map_err(refused)?;
@@ -96,6 +95,11 @@ impl<'a> Measurer<'a> {
     pub(super) fn measure(&self, sensor: Sensor) -> Result<Measured, Failure> {
         Ok(progress::reported(self.word, |progress| self.measurer.measure(sensor, progress))?)
     }
+}
+
+/// A measurement that cannot be planned: what was asked is refused, a device without inputs fails.
+pub(super) fn refused(error: MeasureError) -> Failure {
+    if error == MeasureError::NoInputs { Failure::failed(error) } else { Failure::refused(error) }
 }
 
 /// A device and what it is to measure.
@@ -126,13 +130,15 @@ impl ByDevice<'_> {
     }
 }
 
-/// Measures the current of the drive.
-pub(super) fn current(plate: &Plate, by: &ByDevice<'_>) -> Result<Measurement, Failure> {
+/// Measures the current of the drive, of a piezo or of a coil.
+pub(super) fn current(plate: &Plate, by: &ByDevice<'_>, is_piezo: bool) -> Result<Measurement, Failure> {
     let rig = by.port.rig_with_sensor(plate, &RigOptions::default())?;
     let device = by.connect(rig.as_ref())?;
     let (measurer, _) = by.measurer(&device, plate, rig.as_ref())?;
     let measured = measurer.measure(current_sensor())?;
-    for warning in &measured.warnings {
+    // The simulated amplifier makes images on request alone.
+    let is_unbounded = is_piezo && rig.is_none() && by.request.known.is_none();
+    for warning in is_unbounded.then_some(Warning::UnknownImages).iter().chain(&measured.warnings) {
         output::note(format_args!("slipline: the current: {}", warning.sentence()));
     }
     Ok(measured.measurement)

@@ -1,6 +1,6 @@
 //! The rig of the simulated device: its plate and a sensor.
 
-use super::argument;
+use super::argument::{self, Typed};
 use super::defaults;
 use super::failure::Failure;
 use clap::Args;
@@ -25,6 +25,14 @@ pub struct PortArgument {
     /// its suspension change with its displacement. Without this option it is linear.
     #[arg(long, value_name = "SECOND,THIRD", value_parser = two_levels)]
     actual_coil: Option<[f64; 2]>,
+    /// With --port sim: the bandwidth of the simulated amplifier, a low-pass of second order, 1kHz to 150kHz (100kHz). Images of the
+    /// tones then fold onto the measured current. Without this option it passes every frequency and no image.
+    #[arg(long, value_name = "F", value_parser = argument::frequency)]
+    actual_amplifier: Option<Typed<f64>>,
+    /// With --port sim: the share of full scale within which the output of the simulated device's DAC is linear, 0.1 to 1: louder peaks
+    /// are flattened, as on a board (0.88).
+    #[arg(long, value_name = "SHARE", value_parser = argument::level)]
+    actual_linear_share: Option<f64>,
 }
 
 /// Two levels with a comma between them.
@@ -47,24 +55,41 @@ impl PortArgument {
 
     /// The rig of the simulated device with the plate of `--actual-plate`; `None` without this option.
     pub(super) fn rig(&self, nominal: Option<&Plate>) -> Result<Option<PreparedRig>, Failure> {
-        let coil = self.coil()?;
+        let options = self.options(&RigOptions::default())?;
         let truth = self.truth(nominal)?;
-        match truth.as_ref().or(nominal.filter(|_| coil.is_some())) {
-            Some(truth) => prepared(truth, &RigOptions { coil, ..RigOptions::default() }).map(Some),
+        let is_other = options != RigOptions::default();
+        match truth.as_ref().or(nominal.filter(|_| is_other)) {
+            Some(truth) => prepared(truth, &options).map(Some),
+            None if is_other => Err(Failure::usage(
+                "--actual-..: the simulated device of this command has no plate, amplifier and coil",
+            )),
             None => Ok(None),
         }
     }
 
-    /// The coil of `--actual-coil`.
-    fn coil(&self) -> Result<Option<Coil>, Failure> {
-        let Some(harmonics) = self.actual_coil else { return Ok(None) };
+    /// These options with the coil, the amplifier and the DAC of the arguments.
+    fn options(&self, options: &RigOptions) -> Result<RigOptions, Failure> {
+        self.simulates("--actual-coil", self.actual_coil.is_some())?;
+        self.simulates("--actual-amplifier", self.actual_amplifier.is_some())?;
+        self.simulates("--actual-linear-share", self.actual_linear_share.is_some())?;
+        let coil = self.actual_coil.map(|harmonics| Coil::with_harmonics(harmonics, 1.0));
+        Ok(RigOptions {
+            coil: coil.transpose().map_err(Failure::usage)?,
+            amplifier_hz: self.actual_amplifier.as_ref().map(|typed| typed.value),
+            linear_share: self.actual_linear_share.unwrap_or(options.linear_share),
+            ..options.clone()
+        })
+    }
+
+    /// Refuses an option of the simulated device with another port.
+    fn simulates(&self, option: &str, is_given: bool) -> Result<(), Failure> {
         let port = self.port()?;
-        if port != Port::Simulated {
+        if is_given && port != Port::Simulated {
             return Err(Failure::Usage(format!(
-                "--actual-coil is the coil of the simulated device: it requires --port sim, not {port}"
+                "{option} is of the simulated device: it requires --port sim, not {port}"
             )));
         }
-        Coil::with_harmonics(harmonics, 1.0).map(Some).map_err(Failure::usage)
+        Ok(())
     }
 
     /// The rig of the simulated device with a sensor: on the plate of the command or that of
@@ -74,23 +99,17 @@ impl PortArgument {
         nominal: &Plate,
         options: &RigOptions,
     ) -> Result<Option<PreparedRig>, Failure> {
-        let (truth, coil) = (self.truth(Some(nominal))?, self.coil()?);
+        let (truth, options) = (self.truth(Some(nominal))?, self.options(options)?);
         if self.port()? != Port::Simulated {
             return Ok(None);
         }
-        let options = RigOptions { coil, ..options.clone() };
         prepared(truth.as_ref().unwrap_or(nominal), &options).map(Some)
     }
 
     /// The plate of `--actual-plate`.
     fn truth(&self, nominal: Option<&Plate>) -> Result<Option<Plate>, Failure> {
         let Some(text) = &self.actual_plate else { return Ok(None) };
-        let port = self.port()?;
-        if port != Port::Simulated {
-            return Err(Failure::Usage(format!(
-                "--actual-plate selects the plate of the simulated device: it requires --port sim, not {port}"
-            )));
-        }
+        self.simulates("--actual-plate", true)?;
         actual_plate(text, nominal).map(Some)
     }
 }
@@ -123,6 +142,8 @@ mod tests {
             port: Some(port.parse().unwrap()),
             actual_plate: actual.map(str::to_owned),
             actual_coil: None,
+            actual_amplifier: None,
+            actual_linear_share: None,
         }
     }
 

@@ -49,3 +49,13 @@ fn a_design_ends_with_0_though_lights_are_red_and_its_help_says_so() {
         "{help}"
     );
 }
+
+#[test]
+fn a_check_for_a_board_counts_with_its_linear_share() {
+    let of_board = said(&["check", "--plate", "membrane", "--linear-share", "0.88"]);
+    says(&of_board, &["amber      linear output", "linear up to 88 %", "Lower the level by 1.2 dB."]);
+    let quieter = said(&["check", "--plate", "membrane", "--linear-share", "0.88", "--level", "-1.2dB"]);
+    says(&quieter, &["green      linear output"]);
+    assert!(!said(&["check", "--plate", "membrane"]).contains("linear output"));
+    assert!(failure(&["check", "--linear-share", "0.05"], 2).contains("must be 0.1 to 1"));
+}

@@ -3,7 +3,10 @@
 use super::trim::{calibrated, written};
 use super::{failure, file, json, number, refused, said, says, slipline};
 use serde_json::Value;
-use slipline_plate::calibrate::File;
+use slipline_instrument::measure::KnownDrive;
+use slipline_instrument::rig::{PreparedRig, RigOptions, secret};
+use slipline_plate::calibrate::{DriveLoad, File};
+use slipline_plate::preset;
 
 /// 32 frequencies of aluminium take a third of a second.
 const ALUMINIUM: [&str; 6] = ["--port", "sim", "--plate", "al-bending", "--actual-plate", "secret:5"];
@@ -164,4 +167,60 @@ fn another_drive_than_stated_is_reported_before_anything_loud() {
     let twice =
         ["calibrate", "--plate", "membrane", "--current", "coil", "--data", "a.csv", "--data", "b.csv"];
     refused(&twice, 2, &["2 files of --data with --current: must be 1"]);
+}
+
+#[test]
+fn a_measured_current_of_a_piezo_is_cautioned_where_images_may_falsify_it() {
+    let truth = secret(&preset("al-bending").unwrap(), 5).unwrap();
+    let KnownDrive { circuit, full_scale_a, .. } =
+        PreparedRig::new(&truth, &RigOptions::default(), 400e3).unwrap().known_drive();
+    let DriveLoad::Piezo { capacitance_f } = circuit.load else { panic!("{circuit:?}") };
+    let volts = format!("{}V", circuit.full_scale_v);
+    let (farads, amperes) = (format!("{}pF", 1e12 * capacitance_f), format!("{full_scale_a}A"));
+    let circuit = ["--amplifier", &volts, "--piezo", &farads, "--shunt", &amperes];
+    let notes = |more: &[&str]| {
+        measure(&[&["--input", "current"], &circuit[..], more].concat())["warnings"].to_string()
+    };
+    let unknown = notes(&[]);
+    says(&unknown, &["fold onto the measured current of a piezo", "state the bandwidth of the amplifier"]);
+    let wide = notes(&["--amplifier-bandwidth", "120kHz"]);
+    says(&wide, &["may falsify the current by 3", "put a filter of second order before its input"]);
+    let both = notes(&["--amplifier-bandwidth", "120kHz", "--filter-bandwidth", "120kHz"]);
+    assert!(!both.contains("mages"), "{both}");
+    let alone = ["measure", "--port", "sim", "--input", "current", "--amplifier-bandwidth", "120kHz"];
+    refused(&alone, 2, &["--amplifier"]);
+}
+
+#[test]
+fn the_simulated_amplifier_and_dac_are_those_of_the_options() {
+    let current = |more: &[&str]| {
+        let found = measure(&[&["--input", "current"], more].concat());
+        let response = &found["response"][8];
+        number(response, "re").hypot(number(response, "im"))
+    };
+    let share = current(&["--actual-amplifier", "100kHz"]) / current(&[]);
+    // Both shunts have the range of their own largest current.
+    assert!((0.9..0.98).contains(&share), "{share}");
+    for option in [["--actual-amplifier", "100kHz"], ["--actual-linear-share", "0.88"]] {
+        refused(
+            &[&["measure", "--port", "ttyX", "--sensor", "30mm"], &option[..]].concat(),
+            2,
+            &[option[0], "--port sim"],
+        );
+        refused(&[&["info", "--port", "sim"], &option[..]].concat(), 2, &["has no plate"]);
+    }
+}
+
+#[test]
+fn a_drive_beyond_the_linear_share_of_the_output_is_cautioned_once() {
+    let drive = |more: &[&str]| {
+        let base =
+            ["drive", "--port", "sim", "--plate", "membrane", "--turning-point", "270mm:1", "--for", "300ms"];
+        let output = slipline(&[&base[..], more].concat());
+        assert_eq!(output.status.code(), Some(0));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let flattened = |stderr: &str| stderr.matches("the DAC's output is linear up to 60 %").count();
+    assert_eq!(flattened(&drive(&["--actual-linear-share", "0.6"])), 1);
+    assert_eq!(flattened(&drive(&[])), 0);
 }

@@ -8,6 +8,7 @@
 use eframe::egui::{self, Pos2, ViewportCommand, accesskit::Role, pos2};
 use slipline_instrument::bench::Bench;
 use slipline_link::native::{SystemOpener, Worker};
+use slipline_link::simulator::Options;
 use slipline_model::setup::Setup;
 use slipline_window::app::{App, Parts, run_in_event_loop};
 use slipline_window::files::{FileEvent, FileJob, Files};
@@ -282,9 +283,10 @@ fn calibrate(preset: &'static str) -> Result<(), String> {
         let ctx = &context.egui_ctx;
         let (bench, saved, seen) = (Bench::default(), Saved::default(), Seen::default());
         let (wired, waker) = (bench.clone(), ctx.clone());
-        let worker = Worker::spawn_with(SystemOpener::with_inputs(move || wired.inputs()), move || {
-            waker.request_repaint();
-        })?;
+        let worker =
+            Worker::spawn_with(SystemOpener::wired(Options::default(), move || wired.inputs()), move || {
+                waker.request_repaint();
+            })?;
         let handle = worker.handle();
         let mut parts = Parts { bench, ..Parts::threaded(ctx, Box::new(handle.clone()))? };
         parts.services.files = Box::new(saved.clone());

@@ -125,6 +125,8 @@ pub enum Intent {
     Connect(slipline_link::Port),
     /// Drive the tones of the setup.
     Start,
+    /// Play the tones with companions that cancel the drive's harmonics, until they change.
+    CancelHarmonics,
     /// STOP was pressed: ramp to silence, and disarm a real device; pressed twice within a second, an emergency stop.
     Stop,
     /// A key of STOP was pressed: as STOP, but two presses on a simulated device that is silent are no emergency stop.

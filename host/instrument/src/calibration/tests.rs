@@ -87,3 +87,22 @@ fn a_refusal_leads_to_the_page_of_its_cause() {
     let swapped = CalibrateError::Swapped { first_m: 0.03, second_m: 0.17 };
     assert_eq!(remedy(swapped), Remedy::Exchange);
 }
+
+#[test]
+fn the_pages_name_what_a_sensor_on_each_preset_may_weigh() {
+    let note =
+        |name: &str| CalibrationWizard::of(&Arc::new(slipline_plate::preset(name).unwrap())).sensor_note();
+    for preset in slipline_plate::presets() {
+        let note = note(preset.name);
+        println!("{}: {note}", preset.name);
+        assert!(note.starts_with("A laser suits every plate. ") && note.contains("microphone"), "{note}");
+        assert!(note.contains(" mg with its mass stated") != note.contains("is not known"), "{note}");
+    }
+    let milligrams = |name: &str| -> f64 {
+        let note = note(name);
+        let (_, rest) = note.split_once("at most ").unwrap();
+        rest.split_once(" mg").unwrap().0.parse().unwrap()
+    };
+    assert!(milligrams("tungsten-membrane") > 50.0, "a bare chip");
+    assert!(milligrams("membrane") < 0.1 * milligrams("tungsten-membrane"));
+}

@@ -42,6 +42,11 @@ impl Instrument {
         self.drive.start(self.desk.setup(), &self.attention, &mut self.out);
     }
 
+    /// Plays the tones with companions that cancel the harmonics of the drive, until they change; or reports the obstacle.
+    pub fn cancel_harmonics(&mut self) {
+        self.drive.cancel_harmonics(self.desk.setup(), &mut self.out);
+    }
+
     /// Drives the simulated plate if it rests. Another device is driven by its user alone.
     pub fn start_simulated(&mut self) {
         let snapshot = self.drive.snapshot();

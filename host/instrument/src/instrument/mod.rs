@@ -55,6 +55,7 @@ use lab::{Lab, Reach};
 use screen::Sight;
 use slipline_model::field::line::Line;
 use slipline_model::setup::Setup;
+use slipline_model::setup::edit::Edit;
 use tour::Tour;
 
 /// A plate and a device in use.
@@ -131,6 +132,9 @@ impl Instrument {
         let load = self.screen.load();
         let (lab, mut reach) = self.reach();
         lab.turn(load, &mut reach);
+        if let Some(plate) = self.lab.take_measured_plate() {
+            self.edit(&Edit::Plate(plate));
+        }
         let has_other_truth = self.lab.take_other_truth();
         let (screen, sight, out) = self.sight_of_screen();
         if has_other_truth {

@@ -19,8 +19,8 @@ use slipline_plate::Complex64;
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorBody, SensorKind, windows};
 use slipline_plate::check::Colour;
 use slipline_plate::order;
-use slipline_plate::quantity::decibels;
 use slipline_plate::quantity::number_format::with_decimals;
+use slipline_plate::quantity::{decibels, show_frequency};
 use std::f64::consts::TAU;
 
 /// Codes of an input from mid-scale to the end of its range.
@@ -143,6 +143,15 @@ pub enum Warning {
     },
     /// The input's code never changed.
     Stuck,
+    /// Images of the tones fold onto the current of a piezo, and nothing is known that bounds them.
+    UnknownImages,
+    /// Images of the tones may falsify the current by more than 5 %.
+    Images {
+        /// The bound, as a share of the current.
+        share: f64,
+        /// Where it holds, Hz.
+        frequency_hz: f64,
+    },
     /// The input has so little noise that weak tones do not change its codes.
     NoDither {
         /// Its noise, codes RMS.
@@ -173,6 +182,15 @@ impl Warning {
             }
             Self::Weak { count, of } => format!(
                 "{count} of {of} answers are less than 20 dB above the noise: raise the level, or put the sensor where the plate moves."
+            ),
+            Self::UnknownImages => "Images of the tones above half of the sample rate fold onto the measured current of a piezo and may \
+                                    falsify it by its own size: state the bandwidth of the amplifier."
+                .to_owned(),
+            Self::Images { share, frequency_hz } => format!(
+                "Images of the tones above half of the sample rate may falsify the current by {} % at {}: put a filter of second \
+                 order before its input, and state its bandwidth.",
+                with_decimals(100.0 * share, 0),
+                show_frequency(frequency_hz)
             ),
             Self::Stuck => "The input never changes: is the sensor plugged in?".to_owned(),
             Self::NoDither { codes } => format!(

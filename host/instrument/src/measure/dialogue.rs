@@ -32,6 +32,8 @@ pub(super) struct State {
     pub(super) ended: Option<Outcome>,
     /// The device's sample index in its last status.
     now: u64,
+    /// The share of full scale within which its DAC's output is linear; `None` before the first snapshot.
+    linear_share: Option<f64>,
     codes: Option<Codes>,
     /// The plate's own table, while the device may hold another.
     pub(super) own_table: Option<Arc<DeviceTable>>,
@@ -192,6 +194,11 @@ impl Dialogue {
         self.0.borrow().now
     }
 
+    /// The factor on a level of full scale by which tones stay within the part in which the output of the device's DAC is linear.
+    pub(crate) fn linear_scale(&self, level: f64) -> f64 {
+        (self.0.borrow().linear_share.unwrap_or(1.0) / level).min(1.0)
+    }
+
     /// Starts a replay of the device's codes; the latest `samples` codes are kept.
     pub(crate) fn replay(&self, samples: u64) {
         self.0.borrow_mut().codes = Some(Codes::new(samples));
@@ -222,6 +229,7 @@ impl Dialogue {
         if let Some(codes) = &mut state.codes {
             codes.follow(snapshot);
         }
+        state.linear_share = Some(snapshot.linear_share());
         state.now = snapshot.drive.status.map_or(state.now, |status| status.now);
         if state.bears_faults {
             state.slowest = state.slowest.max(snapshot.link.round_trip.last);

@@ -9,6 +9,7 @@
 use super::answers::Sensor;
 use super::dialogue::Dialogue;
 use super::error::MeasureError;
+use super::images::Bandwidths;
 use super::measuring::Measuring;
 use super::plan::Plan;
 use super::procedure::Procedure;
@@ -67,6 +68,8 @@ pub struct KnownDrive {
     pub circuit: DriveCircuit,
     /// Current at the end of the input's range, ampere.
     pub full_scale_a: f64,
+    /// What bounds the images that fold onto the current.
+    pub bandwidths: Bandwidths,
 }
 
 /// Result of a drive check.

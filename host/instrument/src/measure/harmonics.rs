@@ -51,7 +51,7 @@ pub struct MeasuringHarmonics {
     plan: HarmonicsPlan,
     table: Arc<DeviceTable>,
     sensor: Sensor,
-    /// Factor on the level by which the tones stay within the actuator's travel.
+    /// Factor on the level by which the tones stay within the DAC's linear part and the actuator's travel.
     scale: f64,
 }
 
@@ -139,6 +139,7 @@ impl Procedure for MeasuringHarmonics {
     type Found = MeasuredHarmonics;
 
     async fn carry_out(mut self, dialogue: Dialogue) -> Result<MeasuredHarmonics, MeasureError> {
+        self.scale = dialogue.linear_scale(self.plan.level);
         let combs = self.plan.combs.clone();
         let all = 2 * combs.len() as u64 + 1;
         let Some(first) = combs.first() else { return Err(MeasureError::Cancelled) };

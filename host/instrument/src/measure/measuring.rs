@@ -30,7 +30,7 @@ pub struct Measuring {
     table: Arc<DeviceTable>,
     sensor: Sensor,
     lag_s: f64,
-    /// Factor on the level by which the tones stay within the actuator's travel.
+    /// Factor on the level by which the tones stay within the DAC's linear part and the actuator's travel.
     scale: f64,
     quiet: Option<Window>,
     windows: Vec<Window>,
@@ -156,6 +156,7 @@ impl Procedure for Measuring {
     type Found = Measured;
 
     async fn carry_out(mut self, dialogue: Dialogue) -> Result<Measured, MeasureError> {
+        self.scale = dialogue.linear_scale(self.plan.level);
         while let Some(comb) = self.plan.combs.get(self.windows.len()).cloned() {
             let window = self.window(&dialogue, &comb).await?;
             match &self.quiet {

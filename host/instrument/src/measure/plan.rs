@@ -2,7 +2,7 @@
 //!
 //! A comb consists of up to 16 multiples of one base frequency f0 = 1/T. A window of length T then separates
 //! its tones exactly, since all their sums and differences are multiples of f0. The wanted frequencies are
-//! uniform in the logarithm. With K combs the first one gets the 1st, (K+1)th, (2K+1)th ... frequency, and so
+//! uniform in the logarithm, but for 1 Hz on each side of 50 n and 60 n Hz, where the mains hum. With K combs the first one gets the 1st, (K+1)th, (2K+1)th ... frequency, and so
 //! on: neighbours in a comb are far apart, which permits a short T. T of each comb is searched from the
 //! shortest possible value to a third more, for multiples that are nearest to the wanted frequencies.
 //!
@@ -17,6 +17,7 @@
 //! by then, which takes most of its time.
 
 use super::error::MeasureError;
+use super::mains::{away_from_hum, is_hum};
 use slipline_link::BLOCK;
 use slipline_plate::calibrate::{DriveLoad, WINDOWS_MAX, band_hz, drive_check_hz};
 use slipline_plate::quantity::{OutOfRange, Range};
@@ -98,9 +99,9 @@ impl Wanted {
         OutOfRange::check("level", self.level, LEVEL)
     }
 
-    /// The frequency of a point.
-    pub(super) fn frequency_hz(&self, point: usize) -> f64 {
-        self.low_hz * (self.high_hz / self.low_hz).powf(point as f64 / (self.points - 1) as f64)
+    /// The frequencies of its points, away from the hum of the mains.
+    fn frequencies_hz(&self) -> Result<Vec<f64>, MeasureError> {
+        away_from_hum(self.low_hz, self.high_hz, self.points).ok_or_else(|| crowded(self))
     }
 }
 
@@ -156,12 +157,14 @@ impl Plan {
             return Err(MeasureError::NoInputs);
         }
         let count = wanted.points.div_ceil(lock_ins.min(slipline_link::protocol::limits::MAX_TONES));
+        let all_hz = wanted.frequencies_hz()?;
         let mut taken: Vec<f64> = Vec::with_capacity(wanted.points);
         let mut combs = Vec::with_capacity(count);
         for first in 0..count {
-            let tones: Vec<f64> =
-                (first..wanted.points).step_by(count).map(|point| wanted.frequency_hz(point)).collect();
-            let mut comb = comb(plate, wanted, rate_hz, &tones, &taken).ok_or_else(|| crowded(wanted))?;
+            let tones: Vec<f64> = all_hz.iter().skip(first).step_by(count).copied().collect();
+            let point_hz = all_hz[1] - all_hz[0];
+            let comb = comb(plate, point_hz, rate_hz, &tones, &taken);
+            let mut comb = comb.ok_or_else(|| crowded(wanted))?;
             let longer = (COMBS / count as f64).clamp(1.0, 2.0);
             comb.settle_samples = (longer * comb.settle_samples as f64).ceil() as u64;
             taken.extend(comb.frequencies_hz(rate_hz));
@@ -256,13 +259,12 @@ pub(super) fn settle_s(plate: &Plate, lowest_hz: f64) -> f64 {
     (SETTLED * time_constant_s(plate, lowest_hz)).clamp(SETTLE_MIN_S, SETTLE_MAX_S)
 }
 
-/// The comb of these tones; `None` if they are too close to each other.
-fn comb(plate: &Plate, wanted: &Wanted, rate_hz: f64, tones_hz: &[f64], taken: &[f64]) -> Option<Comb> {
+/// The comb of these tones, of points this far apart; `None` if they are too close to each other.
+fn comb(plate: &Plate, point_hz: f64, rate_hz: f64, tones_hz: &[f64], taken: &[f64]) -> Option<Comb> {
     let (lowest_hz, highest_hz) = (*tones_hz.first()?, *tones_hz.last()?);
     let settle_s = settle_s(plate, lowest_hz);
     // The base frequency is at most the distance of two tones, and need not be finer than that of two points.
     let apart_hz = tones_hz.windows(2).map(|two| two[1] - two[0]).fold(lowest_hz, f64::min);
-    let point_hz = wanted.frequency_hz(1) - wanted.low_hz;
     let shortest_s = apart_hz.recip().max(WINDOW_MIN_S);
     let window_s = (WINDOW_OF_SETTLE * settle_s).clamp(shortest_s, point_hz.recip().max(shortest_s));
     let longest_s = (HARMONIC_MAX / highest_hz).min(WINDOW_MAX_S);
@@ -286,7 +288,7 @@ fn comb(plate: &Plate, wanted: &Wanted, rate_hz: f64, tones_hz: &[f64], taken: &
 }
 
 /// The multiples of a base frequency that are nearest to these tones: rising, up to `highest_hz`, without the
-/// taken ones.
+/// taken ones and those at the hum of the mains.
 fn harmonics(tones_hz: &[f64], base_hz: f64, highest_hz: f64, taken: &[f64]) -> Option<Vec<u16>> {
     let mut found: Vec<u16> = Vec::with_capacity(tones_hz.len());
     for hz in tones_hz {
@@ -295,6 +297,7 @@ fn harmonics(tones_hz: &[f64], base_hz: f64, highest_hz: f64, taken: &[f64]) -> 
             let hz = multiple * base_hz;
             (1.0..=HARMONIC_MAX).contains(multiple)
                 && hz <= highest_hz
+                && !is_hum(hz)
                 && found.last().is_none_or(|before| *multiple > f64::from(*before))
                 && taken.iter().all(|other| (other / hz - 1.0).abs() > APART)
         };
@@ -356,7 +359,9 @@ mod tests {
             assert!((found[points - 1] / high).ln().abs() < 3.0 * step, "{name}: {}", found[points - 1]);
             let gaps = found.windows(2).map(|two| (two[1] / two[0]).ln() / step);
             let (least, most) = gaps.fold((f64::MAX, 0.0_f64), |(a, b), gap| (a.min(gap), b.max(gap)));
-            assert!(least * step > APART && most < 6.0, "{name} {points}: {least} {most}");
+            // 2 Hz of hum lie within some gaps.
+            let hum = (1.0 + 2.0 / low).ln() / step;
+            assert!(least * step > APART && most < 6.0 + hum, "{name} {points}: {least} {most}");
             for comb in &plan.combs {
                 assert!(
                     comb.harmonics.len() <= lock_ins && comb.harmonics.windows(2).all(|two| two[0] < two[1])

@@ -135,9 +135,9 @@ impl Client {
 
 /// The link's thread; its simulated device is wired to `rig`, if there is one.
 pub(super) fn wired(rig: Option<&PreparedRig>) -> std::io::Result<Worker> {
-    let opener = rig
-        .cloned()
-        .map_or_else(SystemOpener::default, |rig| SystemOpener::with_inputs(move || rig.inputs()));
+    let opener = rig.cloned().map_or_else(SystemOpener::default, |rig| {
+        SystemOpener::wired(rig.device_options(), move || rig.inputs())
+    });
     Worker::spawn_with(opener, || ())
 }
 

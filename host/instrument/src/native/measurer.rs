@@ -3,8 +3,8 @@
 use super::client::{BlockingLink, Client};
 use super::error::ClientError;
 use crate::measure::{
-    CheckedDrive, DriveChecking, KnownDrive, MeasureError, Measured, Measuring, Plan, Sensor, SweepPlan,
-    Sweeping,
+    CURRENT_INPUT, CheckedDrive, DriveChecking, HarmonicsPlan, KnownDrive, MeasureError, Measured, Measuring,
+    MeasuringHarmonics, Plan, Sensor, SweepPlan, Sweeping,
 };
 use crate::requests::MeasureRequest;
 use slipline_link::DeviceTable;
@@ -25,6 +25,8 @@ pub struct Measurer<'a, W = Worker> {
     client: &'a Client<W>,
     table: Arc<DeviceTable>,
     method: Method,
+    /// The drive circuit, where it is stated.
+    known: Option<KnownDrive>,
 }
 
 impl<'a, W: BlockingLink> Measurer<'a, W> {
@@ -47,7 +49,7 @@ impl<'a, W: BlockingLink> Measurer<'a, W> {
             let lock_ins = inputs(client).lock_ins.into();
             Method::Steps(Plan::new(plate, &wanted, rate_hz, lock_ins)?)
         };
-        Ok(Self { client, table: Arc::clone(table), method })
+        Ok(Self { client, table: Arc::clone(table), method, known: request.known })
     }
 
     /// The same device with one comb only, over the whole band, or with the same sweep: for repeated measurements.
@@ -57,7 +59,7 @@ impl<'a, W: BlockingLink> Measurer<'a, W> {
             Method::Steps(plan) => Method::Steps(plan.of_one_comb()),
             Method::Sweep(plan) => Method::Sweep(plan.clone()),
         };
-        Self { client: self.client, table: Arc::clone(&self.table), method }
+        Self { client: self.client, table: Arc::clone(&self.table), method, known: self.known }
     }
 
     /// Arms the device, measures, and disarms it. `watch` receives the progress, 0 to 1.
@@ -66,18 +68,42 @@ impl<'a, W: BlockingLink> Measurer<'a, W> {
     /// Those of [`Client::run`].
     pub fn measure(&self, sensor: Sensor, watch: impl FnMut(f64)) -> Result<Measured, ClientError> {
         let (inputs, table) = (inputs(self.client), Arc::clone(&self.table));
-        match &self.method {
+        let rate_hz = f64::from(table.header().sample_rate_hz);
+        let mut measured = match &self.method {
             Method::Steps(plan) => {
-                self.client.run(Measuring::new(plan.clone(), table, sensor, &inputs)?, watch)
+                self.client.run(Measuring::new(plan.clone(), table, sensor, &inputs)?, watch)?
             }
             Method::Sweep(plan) => {
-                self.client.run(Sweeping::new(plan.clone(), table, sensor, &inputs)?, watch)
+                self.client.run(Sweeping::new(plan.clone(), table, sensor, &inputs)?, watch)?
             }
+        };
+        if let (CURRENT_INPUT, Some(known), Some(last)) =
+            (sensor.input, &self.known, measured.measurement.points.last())
+        {
+            let warning = known.bandwidths.warning(&known.circuit.load, last.frequency_hz, rate_hz);
+            measured.warnings.extend(warning);
         }
+        Ok(measured)
     }
 }
 
 impl<W: BlockingLink> Client<W> {
+    /// The measurement of the drive's harmonics at this number of fundamentals (2 to 64) and level (0.001 to 1) by a sensor; `table` is
+    /// that of the plate, which the device must hold when it measures.
+    ///
+    /// # Errors
+    /// [`MeasureError`]: a number is out of its range, the sample rate cannot carry the harmonics, or the device has no inputs.
+    pub fn measuring_harmonics(
+        &self,
+        plate: &Plate,
+        table: &Arc<DeviceTable>,
+        (points, level): (usize, f64),
+        sensor: Sensor,
+    ) -> Result<MeasuringHarmonics, MeasureError> {
+        let plan = HarmonicsPlan::new(plate, points, level, f64::from(table.header().sample_rate_hz))?;
+        MeasuringHarmonics::new(plate, plan, Arc::clone(table), sensor, &inputs(self))
+    }
+
     /// Arms the device, checks with quiet tones that this drive is on, and disarms it. `table` is that of the plate, which the
     /// device holds. `watch` receives the progress, 0 to 1.
     ///

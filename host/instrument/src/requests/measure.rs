@@ -1,7 +1,7 @@
 //! A measurement that is asked for.
 
 use crate::measure::circuit::TOLERANCE;
-use crate::measure::{KnownDrive, Wanted};
+use crate::measure::{Bandwidths, KnownDrive, Wanted};
 use crate::rig::PreparedRig;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad};
@@ -59,7 +59,7 @@ impl MeasureRequest {
 pub struct IncompleteCircuit;
 
 /// The drive circuit of data sheets: all values or none. `amplifier_v` is the voltage at the DAC's full scale, `shunt_a` the
-/// current at the end of the input's range; the load is a coil in ohms or a piezo in farads.
+/// current at the end of the input's range; the load is a coil in ohms or a piezo in farads. Bandwidths belong to a whole circuit.
 ///
 /// # Errors
 /// [`IncompleteCircuit`].
@@ -68,9 +68,11 @@ pub fn circuit_of(
     coil_ohm: Option<f64>,
     piezo_f: Option<f64>,
     shunt_a: Option<f64>,
+    bandwidths: Bandwidths,
 ) -> Result<Option<KnownDrive>, IncompleteCircuit> {
+    let has_none = amplifier_v.is_none() && shunt_a.is_none() && bandwidths == Bandwidths::default();
     let load = match (coil_ohm, piezo_f) {
-        (None, None) if amplifier_v.is_none() && shunt_a.is_none() => return Ok(None),
+        (None, None) if has_none => return Ok(None),
         (Some(resistance_ohm), None) => DriveLoad::Coil { resistance_ohm },
         (None, Some(capacitance_f)) => DriveLoad::Piezo { capacitance_f },
         _ => return Err(IncompleteCircuit),
@@ -79,7 +81,7 @@ pub fn circuit_of(
         return Err(IncompleteCircuit);
     };
     let circuit = DriveCircuit { full_scale_v, load, tolerance: TOLERANCE };
-    Ok(Some(KnownDrive { circuit, full_scale_a }))
+    Ok(Some(KnownDrive { circuit, full_scale_a, bandwidths }))
 }
 
 #[cfg(test)]
@@ -88,17 +90,19 @@ mod tests {
 
     #[test]
     fn a_circuit_has_all_values_or_none() {
-        let all = |coil, piezo| circuit_of(Some(2.0), coil, piezo, Some(1.65));
+        let none = Bandwidths::default();
+        let all = |coil, piezo| circuit_of(Some(2.0), coil, piezo, Some(1.65), none);
         let load = |found: Result<Option<KnownDrive>, _>| found.unwrap().unwrap().circuit.load;
         assert_eq!(load(all(Some(4.0), None)), DriveLoad::Coil { resistance_ohm: 4.0 });
         assert_eq!(load(all(None, Some(220e-9))), DriveLoad::Piezo { capacitance_f: 220e-9 });
-        assert_eq!(circuit_of(None, None, None, None), Ok(None));
+        assert_eq!(circuit_of(None, None, None, None, none), Ok(None));
         for incomplete in [
             all(None, None),
             all(Some(4.0), Some(220e-9)),
-            circuit_of(None, Some(4.0), None, Some(1.65)),
-            circuit_of(Some(2.0), Some(4.0), None, None),
-            circuit_of(None, None, None, Some(1.65)),
+            circuit_of(None, Some(4.0), None, Some(1.65), none),
+            circuit_of(Some(2.0), Some(4.0), None, None, none),
+            circuit_of(None, None, None, Some(1.65), none),
+            circuit_of(None, None, None, None, Bandwidths { amplifier_hz: Some(1e5), filter_hz: None }),
         ] {
             assert_eq!(incomplete, Err(IncompleteCircuit));
         }

@@ -11,6 +11,7 @@
 
 mod calibrate;
 mod feeling;
+mod harmonics;
 mod measure;
 mod simulate;
 mod sweep;
@@ -18,6 +19,7 @@ mod tones;
 
 pub use calibrate::{FeltEdgeError, FeltEdgeRequest, FeltEdgesRequest, measured};
 pub use feeling::NamedFeeling;
+pub use harmonics::{HarmonicAnswer, HarmonicsAnswer};
 pub use measure::{Frequencies, IncompleteCircuit, MeasureRequest, circuit_of};
 pub use simulate::{PlannedSimulation, SimulateRequest};
 pub use sweep::SweepAnswer;

@@ -6,10 +6,12 @@
 //!                  |               (slipline_plate)                                            |
 //!                  +--> motor: current through the shunt ---------------------------------------+
 //! ```
+//! The amplifier passes every frequency, or those below its bandwidth, with images of the tones in the current.
 //! The coil is linear, or one whose force factor and suspension change with its displacement ([`Coil`]).
 //! The plate may differ from the one that the host assumes: [`secret`] draws an unknown one. A [`RigHand`]
 //! acts as a person at the rig: it moves the sensor or pulls a plug.
 
+mod amplifier;
 mod bench;
 mod coil;
 mod converter;

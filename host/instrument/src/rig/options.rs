@@ -4,6 +4,7 @@ use super::coil::Coil;
 use super::error::RigError;
 use slipline_plate::Finger;
 use slipline_plate::calibrate::{SensorBody, SensorKind};
+use slipline_plate::check::LINEAR_SHARE;
 use slipline_plate::quantity::OutOfRange;
 
 /// The ranges of the options.
@@ -16,6 +17,8 @@ pub mod limits {
     pub const SENSOR_DELAY: Range = Range::new(0.0, 1e-3, "s");
     /// RMS noise of an input, in codes.
     pub const NOISE: Range = Range::new(0.0, 100.0, "LSB");
+    /// Bandwidth of the amplifier.
+    pub const AMPLIFIER: Range = Range::new(1e3, 150e3, "Hz");
 }
 
 /// Place and properties of the sensor. The default is a healthy rig.
@@ -41,6 +44,11 @@ pub struct RigOptions {
     pub body: Option<SensorBody>,
     /// A coil that adds harmonics; `None` is a linear one.
     pub coil: Option<Coil>,
+    /// Bandwidth of the amplifier, a low-pass of second order, Hz (1e3 to 150e3); `None` is one that passes every frequency, and no
+    /// image of a tone.
+    pub amplifier_hz: Option<f64>,
+    /// Share of full scale within which the output of the device's DAC is linear, 0.1 to 1: it flattens what is louder.
+    pub linear_share: f64,
 }
 
 impl Default for RigOptions {
@@ -55,6 +63,8 @@ impl Default for RigOptions {
             finger: None,
             body: None,
             coil: None,
+            amplifier_hz: None,
+            linear_share: 1.0,
         }
     }
 }
@@ -67,6 +77,10 @@ impl RigOptions {
         }
         OutOfRange::check("sensor delay", self.sensor_delay_s, limits::SENSOR_DELAY)?;
         OutOfRange::check("noise", self.noise_lsb, limits::NOISE)?;
+        OutOfRange::check("linear share", self.linear_share, LINEAR_SHARE)?;
+        if let Some(bandwidth_hz) = self.amplifier_hz {
+            OutOfRange::check("bandwidth of the amplifier", bandwidth_hz, limits::AMPLIFIER)?;
+        }
         if let Some(coil) = &self.coil {
             coil.check()?;
         }

@@ -1,5 +1,6 @@
 //! Constant parts of a running rig.
 
+use super::amplifier::with_images;
 use super::error::RigError;
 use super::fault::RigFault;
 use super::motor::Motor;
@@ -21,14 +22,25 @@ pub(super) struct Parts {
     pub(super) signals: Arc<Signals>,
     /// The fraction of a sample of the sensor's delay, seconds.
     pub(super) late_s: f64,
+    /// Bandwidth of the amplifier, Hz, unless it passes every frequency.
+    pub(super) amplifier_hz: Option<f64>,
+    /// Share of full scale within which the output of the DAC is linear.
+    pub(super) linear_share: f64,
     /// What the sensor weighs.
     pub(super) body: Option<SensorBody>,
 }
 
 /// The current through the shunt of a motor on this plate.
-pub(super) fn current_of(motor: &Motor, plate: &SensedPlate) -> Result<Output, SenseError> {
+pub(super) fn current_of(
+    motor: &Motor,
+    plate: &SensedPlate,
+    amplifier_hz: Option<f64>,
+) -> Result<Output, SenseError> {
     let actuator = plate.plate().spec().actuator.as_ref();
-    let amplifier = |hz: f64| actuator.map_or(Complex64::ONE, |actuator| actuator.response(hz));
+    let rate_hz = plate.sample_rate_hz();
+    let with_images = |hz: f64| amplifier_hz.map_or(Complex64::ONE, |of| with_images(motor, of, hz, rate_hz));
+    let amplifier =
+        |hz: f64| actuator.map_or(Complex64::ONE, |actuator| actuator.response(hz)) * with_images(hz);
     plate.with_held_drive_point(motor.held(), |hz, velocity| motor.current_a(hz, amplifier(hz), velocity))
 }
 
@@ -56,7 +68,7 @@ impl Parts {
         let sensed = if self.signals.coil.is_some() { SensedPlate::with_harmonics } else { SensedPlate::new };
         let plate = sensed(self.plate.plate(), Some(&body.at(stands_m)), self.plate.sample_rate_hz())?;
         let sensor = Arc::new(plate.sensor(self.sensor, stands_m, self.late_s)?);
-        let current = current_of(&self.motor, &plate)?;
+        let current = current_of(&self.motor, &plate, self.amplifier_hz)?;
         Ok(Standing { sensor, weighed: Some(Arc::new(Weighed { at_rest: plate.at_rest(), current })) })
     }
 }

@@ -1,14 +1,16 @@
 //! A rig whose lengthy computations are done.
 
+use super::amplifier::LowPass;
 use super::bench::Bench;
 use super::error::RigError;
 use super::hand::RigHand;
-use super::motor::{Motor, Transducer};
+use super::motor::Motor;
 use super::options::RigOptions;
 use super::parts::{Parts, current_of};
 use super::sampler::{Sampler, Signals};
-use crate::measure::KnownDrive;
-use slipline_link::simulator::SimulatedInputs;
+use crate::measure::{Bandwidths, KnownDrive};
+use slipline_link::protocol::board::Analogue;
+use slipline_link::simulator::{Options, SimulatedInputs};
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad};
 use slipline_plate::{Complex64, Plate, SensedPlate};
 use std::sync::{Arc, Mutex};
@@ -75,7 +77,7 @@ impl PreparedRig {
         let late = options.sensor_delay_s * sample_rate_hz;
         let motor = Motor::of(truth);
         let motor = motor.on_plate_that_yields(plate.held_drive_point_m(motor.held()));
-        let current = current_of(&motor, &plate)?;
+        let current = current_of(&motor, &plate, options.amplifier_hz)?;
         let (low_hz, high_hz) = truth.band_hz();
         let largest_a = (0..=CURRENTS)
             .map(|i| low_hz + (high_hz - low_hz) * f64::from(i) / f64::from(CURRENTS))
@@ -91,6 +93,7 @@ impl PreparedRig {
             seed: options.seed,
             noise_lsb: options.noise_lsb,
             coil: options.coil,
+            low_pass: options.amplifier_hz.map(|bandwidth_hz| LowPass::new(bandwidth_hz, sample_rate_hz)),
         };
         let late_s = late.fract() / sample_rate_hz;
         let parts = Parts {
@@ -99,6 +102,8 @@ impl PreparedRig {
             sensor: options.sensor,
             signals: Arc::new(signals),
             late_s,
+            amplifier_hz: options.amplifier_hz,
+            linear_share: options.linear_share,
             body: options.body,
         };
         let standing = parts.sensor_at(options.place_m, None)?;
@@ -139,7 +144,18 @@ impl PreparedRig {
     /// The current through the shunt per code of 1 in the steady state, in ampere, with the hold of the codes.
     #[must_use]
     pub fn current(&self, frequency_hz: f64) -> Complex64 {
-        self.parts.plate.steady(&self.parts.signals.current, frequency_hz)
+        let rate_hz = self.parts.plate.sample_rate_hz();
+        let low_pass =
+            self.parts.signals.low_pass.map_or(Complex64::ONE, |it| it.response(frequency_hz, rate_hz));
+        low_pass * self.parts.plate.steady(&self.parts.signals.current, frequency_hz)
+    }
+
+    /// The options of the simulated device that it belongs to.
+    #[must_use]
+    pub fn device_options(&self) -> Options {
+        let usual = Options::default();
+        let linear_per_mille = (1e3 * self.parts.linear_share).round() as u16;
+        Options { analogue: Analogue { linear_per_mille, ..usual.analogue }, ..usual }
     }
 
     /// Data-sheet values of the drive, and the shunt's range.
@@ -147,12 +163,11 @@ impl PreparedRig {
     pub fn known_drive(&self) -> KnownDrive {
         let motor = self.motor();
         let [of_coil, of_piezo] = TOLERANCES;
-        let (load, tolerance) = match motor.transducer {
-            Transducer::Coil { resistance_ohm, .. } => (DriveLoad::Coil { resistance_ohm }, of_coil),
-            Transducer::Piezo { capacitance_f, .. } => (DriveLoad::Piezo { capacitance_f }, of_piezo),
-        };
+        let load = motor.load();
+        let tolerance = if matches!(load, DriveLoad::Coil { .. }) { of_coil } else { of_piezo };
         let circuit = DriveCircuit { full_scale_v: motor.full_scale_v, load, tolerance };
-        KnownDrive { circuit, full_scale_a: self.shunt_full_scale_a() }
+        let bandwidths = Bandwidths { amplifier_hz: self.parts.amplifier_hz, filter_hz: None };
+        KnownDrive { circuit, full_scale_a: self.shunt_full_scale_a(), bandwidths }
     }
 
     /// Current at the end of the shunt's range, in ampere.

@@ -1,5 +1,6 @@
 //! The rig in the time domain: samples of its two inputs.
 
+use super::amplifier::LowPass;
 use super::bench::{Bench, lock};
 use super::coil::Coil;
 use super::converter::{HALF, code};
@@ -28,6 +29,8 @@ pub(super) struct Signals {
     pub(super) noise_lsb: f64,
     /// The coil, unless it is linear.
     pub(super) coil: Option<Coil>,
+    /// The amplifier at rest, unless it passes every frequency.
+    pub(super) low_pass: Option<LowPass>,
 }
 
 impl fmt::Debug for Signals {
@@ -49,6 +52,7 @@ pub(super) struct Sampler {
     /// Index of the oldest signal in it.
     oldest: usize,
     random: Random,
+    low_pass: Option<LowPass>,
 }
 
 impl Sampler {
@@ -60,6 +64,7 @@ impl Sampler {
             late: vec![0.0; signals.late],
             oldest: 0,
             random: Random::new(signals.seed),
+            low_pass: signals.low_pass,
             signals,
             bench,
         }
@@ -107,7 +112,10 @@ impl SimulatedInputs for Sampler {
         let mut signals = [[0.0; BLOCK]; 2];
         let [of_sensor, of_shunt] = &mut signals;
         let current = self.weighed.as_ref().map_or(&self.signals.current, |it| &it.current);
-        let linear = drive(volts);
+        let mut linear = drive(volts);
+        if let Some(low_pass) = &mut self.low_pass {
+            linear.iter_mut().for_each(|volts| *volts = low_pass.next(*volts));
+        }
         let moved = self.signals.coil.map_or(linear, |coil| linear.map(|linear| coil.displacement(linear)));
         self.resonators.run(&moved, [&*standing.sensor, current], [of_sensor, of_shunt]);
         self.delay(&mut signals[0]);

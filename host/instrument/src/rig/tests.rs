@@ -1,4 +1,5 @@
 use super::*;
+use crate::measure::Bandwidths;
 use slipline_link::BLOCK;
 use slipline_link::simulator::SimulatedInputs;
 use slipline_plate::calibrate::{
@@ -382,4 +383,50 @@ fn a_sensor_that_weighs_stands_on_the_plate_that_it_slows() {
     let finger = Some(slipline_plate::Finger::light(0.2));
     let both = PreparedRig::new(&truth, &RigOptions { finger, ..options }, RATE_HZ);
     assert!(matches!(both, Err(RigError::FingerAndBody)), "{both:?}");
+}
+
+/// The images of a tone fold onto the current of a piezo, as a smaller capacitance; the bound that its bandwidth states covers them.
+#[test]
+fn an_amplifier_with_a_bandwidth_lets_images_into_the_current_of_a_piezo() {
+    let plate = preset("al-bending").expect("a preset");
+    let hz = 25e3;
+    let current = |amplifier_hz: Option<f64>| {
+        let options = RigOptions { place_m: 0.034, amplifier_hz, ..RigOptions::default() };
+        let rig = rig(&plate, options);
+        let mut inputs = rig.inputs();
+        play(&mut *inputs, hz, 1500.0, 0, 400);
+        let heard = play(&mut *inputs, hz, 1500.0, 400 * BLOCK, 250);
+        let found = amplitude(&heard[1], hz, 400 * BLOCK) * rig.shunt_full_scale_a() / 1500.0;
+        assert_close("as it is stated", found, rig.current(hz));
+        found
+    };
+    let ideal = current(None);
+    let off = |bandwidth_hz: f64| {
+        let bandwidths = Bandwidths { amplifier_hz: Some(bandwidth_hz), filter_hz: None };
+        let ratio = current(Some(bandwidth_hz)) / ideal / bandwidths.response(hz);
+        let load =
+            rig(&plate, RigOptions { place_m: 0.034, ..RigOptions::default() }).known_drive().circuit.load;
+        let bound = bandwidths.error(&load, hz, RATE_HZ).expect("known");
+        assert!((ratio - 1.0).norm() < bound + 0.02, "{bandwidth_hz}: {ratio} {bound}");
+        ratio
+    };
+    let ratio = off(100e3);
+    assert!(ratio.re < 0.88, "a fifth of the capacitance is missing: {ratio}");
+    let ratio = off(45e3);
+    assert!((ratio - 1.0).norm() < 0.08, "{ratio}");
+}
+
+#[test]
+fn a_rig_states_the_linear_share_of_its_device() {
+    let plate = preset("al-bending").expect("a preset");
+    let share = |linear_share| {
+        let rig = rig(&plate, RigOptions { linear_share, ..RigOptions::default() });
+        rig.device_options().analogue.linear_per_mille
+    };
+    assert_eq!((share(1.0), share(0.88)), (1000, 880));
+    let refused = |options| PreparedRig::new(&plate, &options, RATE_HZ).expect_err("refused").to_string();
+    let error = refused(RigOptions { linear_share: 0.05, ..RigOptions::default() });
+    assert!(error.starts_with("linear share = 0.05: must be 0.1 to 1"), "{error}");
+    let error = refused(RigOptions { amplifier_hz: Some(200e3), ..RigOptions::default() });
+    assert!(error.starts_with("bandwidth of the amplifier = 200000"), "{error}");
 }

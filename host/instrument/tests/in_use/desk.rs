@@ -1,5 +1,6 @@
 //! A board on a desk in virtual time: a simulated device with wires and faults, and the link to it.
 
+use crate::pluggable_port::read_from;
 use slipline_instrument::measure::{MeasureError, Prompt, Run};
 use slipline_instrument::selftest::{SelftestReport, SelftestRequest, Selftesting, Verdict, step};
 use slipline_link::connection::Connection;
@@ -39,21 +40,11 @@ struct Line(Arc<Mutex<Board>>);
 
 impl Transport for Line {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let board = &mut *self.0.lock().unwrap();
-        if !board.is_plugged {
-            return Err(io::ErrorKind::BrokenPipe.into());
-        }
-        let mut bytes = Vec::new();
-        board.device.take(&mut bytes);
-        if let Some(alter) = &mut board.alter {
-            bytes = altered(&bytes, &mut board.decoder, alter);
-        }
-        if bytes.is_empty() {
-            return Err(io::ErrorKind::WouldBlock.into());
-        }
-        assert!(bytes.len() <= buffer.len(), "the answers of a millisecond fit a read");
-        buffer[..bytes.len()].copy_from_slice(&bytes);
-        Ok(bytes.len())
+        let Board { device, is_plugged, alter, decoder, .. } = &mut *self.0.lock().unwrap();
+        read_from(device, *is_plugged, buffer, |bytes| match alter {
+            Some(alter) => altered(&bytes, decoder, alter),
+            None => bytes,
+        })
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {

@@ -312,3 +312,45 @@ fn after_a_calibration_the_simulated_plate_moves_as_is_predicted() {
         points.iter().filter(|(_, curve_m)| *curve_m > 0.3 * top_m).map(|(m, curve_m)| m / curve_m).collect();
     assert!(high.len() >= 5 && high.iter().all(|share| (share - 1.0).abs() < 0.01), "{high:?}");
 }
+
+#[test]
+fn the_harmonics_of_the_drive_are_measured_stated_by_the_plate_and_cancelled() {
+    let (mut session, _) = Session::at_bench();
+    session.instrument.cancel_harmonics();
+    assert!(session.notice().starts_with("The plate file states no harmonics"), "{}", session.notice());
+    session.instrument.perform_measure(MeasureIntent::Harmonics);
+    assert!(session.is_measuring(), "{}", session.notice());
+    session.end_of_measuring();
+    session.turn();
+    assert!(session.notice().starts_with("Second harmonic: "), "{}", session.notice());
+    let plate = session.instrument.desk.setup().plate.clone();
+    let harmonics = plate.spec().harmonics.clone().expect("measured");
+    assert!(harmonics.curve(2).is_some_and(|curve| curve.points.len() == 8 && curve.points[0][1] < -60.0));
+    session.instrument.cancel_harmonics();
+    assert!(session.notice().starts_with("Press Drive first"), "{}", session.notice());
+    session.instrument.start();
+    session.until("it drives", Session::is_driving);
+    session.take_requests();
+    session.instrument.cancel_harmonics();
+    session.pass(300);
+    let sent = session.take_requests();
+    let combs: Vec<_> = sent
+        .iter()
+        .filter_map(|request| match request {
+            Request::Play(Sounding::Comb(comb)) => Some(comb),
+            _ => None,
+        })
+        .collect();
+    let [comb] = combs[..] else { panic!("{sent:?}") };
+    let multiples: Vec<u16> = comb.tones.iter().map(|tone| tone.harmonic).collect();
+    assert_eq!(multiples, [multiples[0], 2 * multiples[0], 3 * multiples[0]]);
+    assert!(session.is_driving());
+    // A change of the tone plays it alone.
+    session.move_to(150.0);
+    session.pass(100);
+    let sent = session.take_requests();
+    assert!(sent.iter().any(|request| matches!(request, Request::Play(Sounding::Drive(_)))), "{sent:?}");
+    session.instrument.undo();
+    session.instrument.undo();
+    assert!(session.instrument.desk.setup().plate.spec().harmonics.is_none(), "Undo takes it back");
+}

@@ -38,23 +38,36 @@ impl PluggablePort {
     }
 }
 
+/// Reads what a device has sent, as `change` passes it on; an error while its cable is out.
+pub(crate) fn read_from(
+    device: &mut SimulatedDevice,
+    is_plugged: bool,
+    buffer: &mut [u8],
+    change: impl FnOnce(Vec<u8>) -> Vec<u8>,
+) -> io::Result<usize> {
+    if !is_plugged {
+        return Err(io::ErrorKind::BrokenPipe.into());
+    }
+    let mut bytes = Vec::new();
+    device.take(&mut bytes);
+    let bytes = change(bytes);
+    if bytes.is_empty() {
+        return Err(io::ErrorKind::WouldBlock.into());
+    }
+    assert!(bytes.len() <= buffer.len(), "the answers of a millisecond fit a read");
+    buffer[..bytes.len()].copy_from_slice(&bytes);
+    Ok(bytes.len())
+}
+
 pub(crate) struct PluggableTransport(Arc<Mutex<PluggablePort>>);
 
 impl Transport for PluggableTransport {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let mut port = self.0.lock().unwrap();
-        if !port.is_plugged {
-            return Err(io::ErrorKind::BrokenPipe.into());
-        }
-        let mut bytes = Vec::new();
-        port.device.take(&mut bytes);
-        bytes.append(&mut port.refused);
-        if bytes.is_empty() {
-            return Err(io::ErrorKind::WouldBlock.into());
-        }
-        assert!(bytes.len() <= buffer.len(), "the answers of a millisecond fit a read");
-        buffer[..bytes.len()].copy_from_slice(&bytes);
-        Ok(bytes.len())
+        let PluggablePort { device, is_plugged, refused, .. } = &mut *self.0.lock().unwrap();
+        read_from(device, *is_plugged, buffer, |mut bytes| {
+            bytes.append(refused);
+            bytes
+        })
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {

@@ -204,3 +204,19 @@ fn the_instrument_tests_the_board_at_the_users_request_and_gives_its_table_back(
     assert_eq!(session.instrument.drive.snapshot().drive.status.unwrap().state, State::Idle);
     assert_eq!(table(&session), before);
 }
+
+#[test]
+fn the_amplifier_of_the_simulated_plate_is_tested_with_the_plate_put_up_first() {
+    let (mut session, _) = Session::at_bench();
+    let request = SelftestRequest { is_amplifier_on: true, ..SelftestRequest::default() };
+    session.instrument.perform_measure(MeasureIntent::SelftestDraft(request));
+    session.instrument.perform_measure(MeasureIntent::Selftest);
+    assert!(session.is_measuring(), "{}", session.notice());
+    session.end_of_measuring();
+    let shown = session.instrument.shown();
+    let report = shown.selftest.report.unwrap();
+    let amplifier = report.steps.iter().find(|step| step.name == "amplifier").unwrap();
+    assert_eq!(amplifier.verdict, Verdict::Green, "{amplifier:?}");
+    assert_eq!(named(report, Verdict::Red), [""; 0]);
+    assert!(!session.is_driving());
+}

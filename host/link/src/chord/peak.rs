@@ -9,13 +9,18 @@ use slipline_protocol::event::Identity;
 use slipline_protocol::refusal::Refusal;
 
 impl ChordRequest {
-    /// The same chord with its master level lowered until its peak with this table fits full scale; rounding
-    /// of levels and phases may raise a peak above it.
+    /// The same chord with its master level lowered until its peak with this table fits `linear`, the share of full scale within
+    /// which the DAC's output is linear, 0 to 1; rounding of levels and phases may raise a peak above it.
     ///
     /// # Errors
     /// [`Refusal`](crate::Refusal) as [`ChordRequest::for_device`]; what the device would refuse at any master level.
-    pub fn fitted(mut self, identity: &Identity, table: &DeviceTable) -> Result<Self, crate::Refusal> {
-        let full_scale = f64::from(FULL_SCALE);
+    pub fn fitted(
+        mut self,
+        identity: &Identity,
+        table: &DeviceTable,
+        linear: f64,
+    ) -> Result<Self, crate::Refusal> {
+        let full_scale = linear * f64::from(FULL_SCALE);
         let chord = self.for_device(identity, None)?;
         let peak = f64::from(extent(&chord, table).map_err(crate::Refusal::Device)?.peak());
         if peak > full_scale {

@@ -45,10 +45,13 @@ impl SystemOpener {
         Self { simulated: Simulated::new(Options::default(), None, clock) }
     }
 
-    /// As the default one, but its simulated device has the inputs of `wiring`, which is called when the
-    /// device is switched on. The sample rate is that of [`Options::default`](crate::simulator::Options).
-    pub fn with_inputs(wiring: impl FnMut() -> Box<dyn SimulatedInputs> + Send + 'static) -> Self {
-        Self { simulated: Simulated::new(Options::default(), Some(Box::new(wiring)), system_clock()) }
+    /// As the default one, but its simulated device has these options and the inputs of `wiring`, which is called when the device is
+    /// switched on.
+    pub fn wired(
+        options: Options,
+        wiring: impl FnMut() -> Box<dyn SimulatedInputs> + Send + 'static,
+    ) -> Self {
+        Self { simulated: Simulated::new(options, Some(Box::new(wiring)), system_clock()) }
     }
 
     /// As the default one, with a simulated device of these options, for example with wires between its pins.

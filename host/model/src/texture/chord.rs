@@ -23,7 +23,9 @@ pub fn sounding(
     snapshot: &Snapshot,
 ) -> Result<Sounding, Refusal> {
     match (chord.filter(|_| snapshot.can_play_chords()), &snapshot.device.identity) {
-        (Some(chord), Some(identity)) => Ok(Sounding::Chord(chord.fitted(identity, table)?)),
+        (Some(chord), Some(identity)) => {
+            Ok(Sounding::Chord(chord.fitted(identity, table, snapshot.linear_share())?))
+        }
         _ => Ok(Sounding::Drive(edit::drive(setup))),
     }
 }

@@ -6,8 +6,8 @@ use super::grading::{Finding, Site};
 use super::interval::Interval;
 use super::levels::{AT_ONCE, SiteLevels};
 use super::lights::{
-    actuator, air, distortion, drift, drive, felt_edge, frame, sensitivity, shape, sound, thickness, touch,
-    wave,
+    actuator, air, distortion, drift, drive, felt_edge, frame, linear_output, sensitivity, shape, sound,
+    thickness, touch, wave,
 };
 use super::prepared::{Prepared, SPAN_PLACES};
 use super::report::Report;
@@ -190,5 +190,6 @@ fn findings(site: &Site<'_>) -> Vec<Finding> {
         drift::press_light(site),
     ];
     findings.extend(distortion::distortion_light(site));
+    findings.extend(linear_output::linear_output_light(site));
     findings
 }

@@ -14,7 +14,7 @@ pub enum CheckError {
     /// A boundary is not on the plate.
     #[error("{0}, on the plate")]
     Boundary(OutOfRange),
-    /// The level is not between 0 and 1.
+    /// The level or the linear share is out of its range.
     #[error(transparent)]
     Level(OutOfRange),
     /// The sample rate cannot carry the plate's band, or the plate has no amplitude at a boundary.

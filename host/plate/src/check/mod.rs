@@ -10,6 +10,7 @@
 //!   lights/drive.rs  drive match
 //!   lights/sensitivity.rs  sensitivity
 //!   lights/actuator.rs  actuator band, excursion, DAC resolution
+//!   lights/linear_output.rs  linear output, where the DAC's output is not linear up to full scale
 //!   lights/sound.rs  sound level, beat
 //!   lights/air.rs    air, with air_law.rs
 //!   lights/felt_edge.rs  felt edge
@@ -37,7 +38,7 @@ mod tests;
 pub mod thresholds;
 
 pub use checker::Checker;
-pub use conditions::Conditions;
+pub use conditions::{Conditions, LINEAR_SHARE};
 pub use error::CheckError;
 pub(crate) use lights::shape::wavelengths;
 pub(crate) use lights::wave::loss_integral;

@@ -78,10 +78,14 @@ impl Device {
         tones: Vec<ToneRequest>,
         glide_s: f64,
         apply: Apply,
+        cancels: bool,
     ) -> PyResult<Answer<Drive>> {
         let step = Step::of(tones, glide_s)?;
         let loaded = self.loaded()?;
-        self.sound(py, apply, move |_| step.prepare(&loaded))
+        self.sound(py, apply, move |_| {
+            let prepared = step.prepare(&loaded)?;
+            if cancels { prepared.with_companions() } else { Ok(prepared) }
+        })
     }
 
     /// Plays a texture of the plate in use.

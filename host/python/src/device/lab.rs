@@ -1,6 +1,6 @@
 //! What Python does with a device and a sensor or a recorder besides a measurement: trims, sweeps for a recorder, and self-tests.
 
-use super::measure::{Band, Wish, of_band};
+use super::measure::{Band, Ready, Wish, of_band};
 use super::{Device, Loaded, lock, may_be_armed};
 use crate::arguments::{in_range, optional};
 use crate::error::Failure;
@@ -9,7 +9,7 @@ use crate::result::kind::{Profile, Selftest, Sweep, Trim};
 use crate::result::{Answer, fields};
 use pyo3::prelude::*;
 use slipline_instrument::measure::{PlayedSweep, Playing, SWEEP_S};
-use slipline_instrument::native::{Client, InterruptibleLink, Measurer, TRIM_S, Trimming};
+use slipline_instrument::native::{Client, InterruptibleLink, TRIM_S, Trimming};
 use slipline_instrument::profile_file;
 use slipline_instrument::requests::SweepAnswer;
 use slipline_instrument::selftest::SelftestRequest;
@@ -29,25 +29,21 @@ impl Device {
         duration_s: Option<f64>,
     ) -> PyResult<Answer<Trim>> {
         optional("duration_s", duration_s, TRIM_S)?;
-        let Loaded { plate, on_device, .. } = self.loaded()?;
+        let loaded = self.loaded()?;
         let (consent, rig) = (lock(&self.state).consent, self.rig.clone());
         let (found, trimmed) = self.call(py, move |client| {
-            SpeedTrim::check(&plate).map_err(|error| Failure::of(&error))?;
-            let sensor = wish.sensor_on(&plate)?;
-            may_be_armed(client, consent)?;
-            client.disarm()?;
-            let measurer = Measurer::new(client, &plate, &on_device, &wish.request);
-            let measurer = measurer.map_err(|error| of_band(&error))?;
-            wish.put_sensor(rig.as_ref(), sensor)?;
+            let plate = &*loaded.plate;
+            SpeedTrim::check(plate).map_err(|error| Failure::of(&error))?;
+            let Ready { sensor, measurer } = wish.ready(client, &loaded, (consent, rig.as_ref()))?;
             let first = measurer.measure(sensor, |_| ())?.measurement;
-            let mut trim = Trimming::begin(&plate, &first).map_err(|error| Failure::of(&error))?;
+            let mut trim = Trimming::begin(plate, &first).map_err(|error| Failure::of(&error))?;
             let short = measurer.short();
             while trim.goes_on(duration_s) {
                 let later = short.measure(sensor, |_| ())?.measurement;
                 trim.add(&later).map_err(|error| Failure::of(&error))?;
             }
             let answer =
-                client.during(|| trim.answer(&plate, sensor.place_m, "time").map(|it| fields(&it)))?;
+                client.during(|| trim.answer(plate, sensor.place_m, "time").map(|it| fields(&it)))?;
             Ok((answer.map_err(|error| Failure::of(&error))?, trim.last().plate.clone()))
         })?;
         Answer::of(py, found)?.with(py, "plate", Py::new(py, PyPlate::from(trimmed))?)
@@ -84,7 +80,11 @@ impl Device {
 
     /// Tests the board.
     pub(super) fn test_board(&self, py: Python<'_>, request: SelftestRequest) -> PyResult<Answer<Selftest>> {
+        let consent = lock(&self.state).consent;
         let (found, passed) = self.call(py, move |client| {
+            if request.is_amplifier_on {
+                may_be_armed(client, consent)?;
+            }
             // Each test has other drives: the index of the device's sample differs.
             let seed = client.refresh()?;
             let report = client.selftest(SelftestRequest { seed, ..request }, |_, _| ())?;

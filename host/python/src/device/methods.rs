@@ -10,14 +10,14 @@ use crate::coroutine::{Coroutine, Rest, StatusIterator};
 use crate::error::Failure;
 use crate::measurement::Measurement;
 use crate::plate::{Plate as PyPlate, check_length};
-use crate::result::kind::{Drive, Profile, Selftest, Status, Sweep, Trim, Verification};
+use crate::result::kind::{Drive, Harmonics, Profile, Selftest, Status, Sweep, Trim, Verification};
 use crate::result::{Answer, ResultArgument, fields};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use slipline_instrument::device_info::DeviceInfo;
 use slipline_instrument::hold::{Holding, MAX_RISE};
-use slipline_instrument::measure::verify_windows_s;
+use slipline_instrument::measure::{Bandwidths, verify_windows_s};
 use slipline_instrument::native::ArmingConsent;
 use slipline_instrument::profile_file;
 use slipline_instrument::selftest::SelftestRequest;
@@ -117,9 +117,13 @@ impl Device {
     /// has room for one change ahead: this call waits until an earlier one for an index has begun, and until its own index is
     /// less than a minute ahead.
     ///
+    /// ``cancel_harmonics`` plays companions at twice and three times the frequency of each tone, opposite to the harmonics of the drive
+    /// that the plate states: up to five tones, which begin in silence and do not glide. Of several tones the sums of their
+    /// frequencies stay.
+    ///
     /// Where a newer drive or a stop of another thread takes its place before the device has accepted it, ``superseded`` of the
     /// result is true, and ``at_samples`` is ``None``.
-    #[pyo3(signature = (*, felt_edge_m=None, turning_point_m=None, frequency_hz=None, level=0.8, tones=None, glide_s=0.02, at=None))]
+    #[pyo3(signature = (*, felt_edge_m=None, turning_point_m=None, frequency_hz=None, level=0.8, tones=None, glide_s=0.02, at=None, cancel_harmonics=false))]
     #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
     fn drive(
         &self,
@@ -131,17 +135,18 @@ impl Device {
         tones: Option<Bound<'_, PyAny>>,
         glide_s: f64,
         at: Option<At>,
+        cancel_harmonics: bool,
     ) -> PyResult<Answer<Drive>> {
         let first = asked_tone(felt_edge_m, turning_point_m, frequency_hz, level)?;
         let further = tones.map_or(Ok(Vec::new()), |tones| items("tones", &tones, MAX_TONES))?;
         let further = further.iter().map(|tone| further_tone(tone, level));
         let tones = first.map(Ok).into_iter().chain(further).collect::<PyResult<Vec<_>>>()?;
-        self.drive_tones(py, tones, glide_s, At::begin(at))
+        self.drive_tones(py, tones, glide_s, At::begin(at), cancel_harmonics)
     }
 
     /// Plays drives, each from its sample index on, and returns their results when the last one is accepted.
     ///
-    /// ``drives`` is a sequence of dictionaries: ``at``, and the other keywords of :meth:`drive`; one without tones ends what
+    /// ``drives`` is a sequence of dictionaries: ``at``, and the other keywords of :meth:`drive` but ``cancel_harmonics``; one without tones ends what
     /// sounds. Each is sent when the one before has begun, some milliseconds later: those that follow each other more closely are
     /// refused as late, and the device is stopped. A stop or a drive of another thread ends the sequence; the drives that it has
     /// kept from being sent are ``superseded``.
@@ -272,9 +277,10 @@ impl Device {
     /// ``kind``: what the sensor measures; ``input``: ``"sensor"``, or ``"current"`` of the drive, which has no place. ``points``
     /// frequencies lie from ``low_hz`` to ``high_hz``; ``level`` is 0 to 1; ``sweep`` plays a gliding tone. By the drive circuit,
     /// the amplifier's volts and the shunt's amperes at full scale and the coil's resistance or the piezo's capacitance, quiet tones
-    /// check that the drive is on. ``sensor_mass_kg`` and ``sensor_width_m`` are those of a sensor that stands on the plate; the
-    /// sensor of the simulated device has none.
-    #[pyo3(signature = (place_m=None, kind="displacement", input="sensor", *, points=None, low_hz=None, high_hz=None, level=None, sweep=false, amplifier_v=None, coil_ohm=None, piezo_f=None, shunt_a=None, sensor_mass_kg=0.0, sensor_width_m=0.0))]
+    /// check that the drive is on; ``amplifier_bandwidth_hz`` and ``filter_bandwidth_hz``, each of second order, bound the images that
+    /// fold onto a measured current (a ``UserWarning`` where a piezo's may be more than 5 % wrong). ``sensor_mass_kg`` and
+    /// ``sensor_width_m`` are those of a sensor that stands on the plate; the sensor of the simulated device has none.
+    #[pyo3(signature = (place_m=None, kind="displacement", input="sensor", *, points=None, low_hz=None, high_hz=None, level=None, sweep=false, amplifier_v=None, coil_ohm=None, piezo_f=None, shunt_a=None, amplifier_bandwidth_hz=None, filter_bandwidth_hz=None, sensor_mass_kg=0.0, sensor_width_m=0.0))]
     #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
     fn measure(
         &self,
@@ -291,15 +297,44 @@ impl Device {
         coil_ohm: Option<f64>,
         piezo_f: Option<f64>,
         shunt_a: Option<f64>,
+        amplifier_bandwidth_hz: Option<f64>,
+        filter_bandwidth_hz: Option<f64>,
         sensor_mass_kg: f64,
         sensor_width_m: f64,
     ) -> PyResult<Measurement> {
         self.check_block("measure()")?;
         let band = Band { points, low_hz, high_hz, level, sweep };
-        let circuit = Circuit { amplifier_v, coil_ohm, piezo_f, shunt_a };
+        let bandwidths = Bandwidths { amplifier_hz: amplifier_bandwidth_hz, filter_hz: filter_bandwidth_hz };
+        let circuit = Circuit { amplifier_v, coil_ohm, piezo_f, shunt_a, bandwidths };
         let body =
             SensorBody::new(sensor_mass_kg, sensor_width_m).map_err(|it| Failure::out_of_range(&it))?;
         self.measure_plate(py, Wish::new((place_m, kind, body), input, band, circuit)?)
+    }
+
+    /// Measures the second and third harmonic that the drive adds to tones, as ``slipline measure --harmonics``, by a sensor at
+    /// ``place_m`` near the driven end; arms the device, and disarms it then.
+    ///
+    /// ``points``, 2 to 64, fundamentals lie over the plate's span, at ``level`` (0.001 to 1) of the table's full scale. The result has
+    /// ``plate``, the plate in use with these harmonics, and ``harmonics``, the second and the third. Give it to :meth:`use`, and
+    /// ``drive(cancel_harmonics=True)`` plays tones that cancel them.
+    #[pyo3(signature = (place_m, kind="displacement", *, points=8, level=0.5, sensor_mass_kg=0.0, sensor_width_m=0.0))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
+    fn measure_harmonics(
+        &self,
+        py: Python<'_>,
+        place_m: f64,
+        kind: &str,
+        points: i64,
+        level: f64,
+        sensor_mass_kg: f64,
+        sensor_width_m: f64,
+    ) -> PyResult<Answer<Harmonics>> {
+        self.check_block("measure_harmonics()")?;
+        let body =
+            SensorBody::new(sensor_mass_kg, sensor_width_m).map_err(|it| Failure::out_of_range(&it))?;
+        let band = Band { points: None, low_hz: None, high_hz: None, level: Some(level), sweep: false };
+        let wish = Wish::new((Some(place_m), kind, body), "sensor", band, Circuit::UNKNOWN)?;
+        self.measure_harmonics_of(py, wish, points, level)
     }
 
     /// Measures the wave speed of the calibrated plate in use by one sensor, as ``slipline trim``, and with ``duration_s`` (up to a
@@ -395,7 +430,10 @@ impl Device {
     /// ``sensor_wire``: a wire leads from the DAC's pin to the sensor's; ``trigger_wire``: one leads from the trigger output to the
     /// trigger input. ``amplifier_unplugged`` permits the step that takes the mute pin high, and ``short`` takes three seconds. The
     /// result has ``passed`` and ``steps``, each with ``verdict``: a step without its wire is ``"skipped"``.
-    #[pyo3(signature = (*, sensor_wire=false, trigger_wire=false, amplifier_unplugged=false, short=false))]
+    ///
+    /// ``amplifier`` tests the amplifier instead, connected and switched on, by tones at -40 dB with it muted and then on: do this once
+    /// all else has passed. The simulated device has one with ``sensor_m`` of :func:`slipline.connect`.
+    #[pyo3(signature = (*, sensor_wire=false, trigger_wire=false, amplifier_unplugged=false, short=false, amplifier=false))]
     fn selftest(
         &self,
         py: Python<'_>,
@@ -403,14 +441,20 @@ impl Device {
         trigger_wire: bool,
         amplifier_unplugged: bool,
         short: bool,
+        amplifier: bool,
     ) -> PyResult<Answer<Selftest>> {
         self.check_block("selftest()")?;
+        if amplifier && (sensor_wire || trigger_wire || amplifier_unplugged) {
+            let text = "selftest(amplifier=True) tests an amplifier that is connected, without wires: leave out the others";
+            return Err(Failure::refused(text).into());
+        }
         self.test_board(
             py,
             SelftestRequest {
                 has_sensor_wire: sensor_wire,
                 has_trigger_wire: trigger_wire,
                 is_amplifier_unplugged: amplifier_unplugged,
+                is_amplifier_on: amplifier,
                 is_short: short,
                 ..SelftestRequest::default()
             },

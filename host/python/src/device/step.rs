@@ -16,6 +16,7 @@ use slipline_instrument::requests::ToneRequest;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_link::{Snapshot, Sounding};
 use slipline_model::answer::ToneAnswer;
+use slipline_model::companions::with_companions;
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::{GLIDE_RANGE_S, Setup, edit};
 use slipline_plate::quantity::{Count, Counted, Range, must_be};
@@ -151,6 +152,12 @@ impl Prepared {
             loaded.on_device.check_sum(&sum.collect::<Vec<_>>()).map_err(Failure::refused)?;
         }
         Ok(Self { loaded, setup, sounding })
+    }
+
+    /// The same with companions that cancel the drive's harmonics.
+    pub(super) fn with_companions(self) -> Result<Self, Failure> {
+        let comb = with_companions(&self.setup, &self.loaded.on_device).map_err(Failure::refused)?;
+        Ok(Self { setup: self.setup.without_harmonics(), sounding: Sounding::Comb(comb), ..self })
     }
 
     /// Refuses to play it where the device holds another table by now.

@@ -144,10 +144,13 @@ impl Plate {
     /// The lights of the plate, as ``slipline check``: at one place, or the worst over its span.
     ///
     /// ``level`` is that of the tone, 0 to 1 of the table's full scale; ``off_centre`` is a drive beside the centre line.
+    /// ``linear_share`` is the share of full scale within which the output of a board's DAC is linear, 0.1 to 1: ``linear_share`` of
+    /// :meth:`Device.status`.
     /// ``.worst`` is the worst colour; ``.lights`` is a list with ``name``, ``value``, ``unit``, ``colour`` and ``sentence``.
     ///
     /// Raises ``OutOfRange``; ``Refused`` if no tone of this level has this felt edge, or the plate has no table.
-    #[pyo3(signature = (*, felt_edge_m=None, turning_point_m=None, frequency_hz=None, level=1.0, off_centre=false))]
+    #[pyo3(signature = (*, felt_edge_m=None, turning_point_m=None, frequency_hz=None, level=1.0, off_centre=false, linear_share=1.0))]
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of the call")]
     fn check(
         &self,
         py: Python<'_>,
@@ -156,6 +159,7 @@ impl Plate {
         frequency_hz: Option<f64>,
         level: f64,
         off_centre: bool,
+        linear_share: f64,
     ) -> PyResult<Answer<Check>> {
         let asked = at_most_one(felt_edge_m, turning_point_m, frequency_hz)?;
         let plate = Arc::clone(&self.plate);
@@ -165,7 +169,7 @@ impl Plate {
             let turns =
                 |asked| crate::place::turning_point_m(asked, &plate, level, &mut progress.part(0.0, 0.4));
             let turning_point_m = asked.map(turns).transpose()?;
-            let conditions = Conditions { level, off_centre, ..Conditions::default() };
+            let conditions = Conditions { level, off_centre, linear_share, ..Conditions::default() };
             let report = check(&plate, turning_point_m, conditions, &mut progress.part(0.4, 1.0));
             Ok(fields(&CheckAnswer::of(&report.map_err(|error| Failure::of(&error))?)))
         })?;

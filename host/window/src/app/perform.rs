@@ -51,6 +51,7 @@ impl App {
                 Intent::Connect(port) => self.connect(port),
                 Intent::Start if self.view.is_stopped => {}
                 Intent::Start => self.instrument.start(),
+                Intent::CancelHarmonics => self.instrument.cancel_harmonics(),
                 Intent::Stop => self.press_stop(),
                 Intent::StopKey => {
                     self.view.is_stopped = true;

@@ -10,6 +10,7 @@ use slipline_instrument::bench::Bench;
 use slipline_link::Port;
 use slipline_link::native::list_ports;
 use slipline_link::native::{Handle, SystemOpener, Worker, stop_on_panic};
+use slipline_link::simulator::Options;
 use slipline_model::export::figures::plate;
 use slipline_model::jobs::JobQueue;
 use slipline_model::scenes::thumbnails;
@@ -175,7 +176,8 @@ fn open(
     let ctx = &context.egui_ctx;
     let bench = Bench::default();
     let wired = bench.clone();
-    let worker = Worker::spawn_with(SystemOpener::with_inputs(move || wired.inputs()), wake(ctx))?;
+    let worker =
+        Worker::spawn_with(SystemOpener::wired(Options::default(), move || wired.inputs()), wake(ctx))?;
     let handle = worker.handle();
     stop_on_panic(handle.clone());
     opened(handle.clone(), closer(ctx));

@@ -8,6 +8,7 @@ use crate::type_into;
 use eframe::egui::{Key, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_instrument::bench::Bench;
+use slipline_link::{Request, Sounding};
 
 /// How much is measured, in words.
 fn progress(app: &TestApp) -> Option<String> {
@@ -145,4 +146,27 @@ fn a_tap_on_the_simulated_plate_is_seen_by_its_sensor() {
     app.wait(200);
     let tapped = level_db(&app);
     assert!(tapped > quiet + 10.0, "{quiet} {tapped}");
+}
+
+#[test]
+fn harmonics_are_measured_on_the_page_and_cancelled_beside_the_level() {
+    let bench = Bench::default();
+    let mut app = TestApp::sensed(bench.inputs(), bench);
+    assert!(!app.has("Cancel harmonics"), "the plate states none");
+    open_measure(&mut app);
+    app.click_button("Measure harmonics", 200);
+    for _ in 0..400 {
+        app.wait(100);
+        if app.shows("Second harmonic: ") {
+            break;
+        }
+    }
+    assert!(app.shows("Undo takes it back"));
+    app.click_button("Drive", 1500);
+    app.click_button("Boundary", 200);
+    app.take_sent();
+    app.click_button("Cancel harmonics", 500);
+    let requests = app.take_sent();
+    assert!(requests.iter().any(|it| matches!(it, Request::Play(Sounding::Comb(_)))), "{requests:?}");
+    assert!(app.is_driving());
 }

@@ -25,6 +25,7 @@ use slipline_link::protocol::limits::MAX_DRIVE_MS;
 use slipline_link::{
     ChordRequest, LinkState, Played, Port, Refusal, Request, Severity, Snapshot, Sounding, Ticket,
 };
+use slipline_model::companions::with_companions;
 use slipline_model::jobs::table::{TableMade, TableState};
 use slipline_model::setup::{MAX_TONES, Setup, edit};
 use slipline_model::{sounding, texture};
@@ -282,6 +283,22 @@ impl Drive {
         let ticket = self.send(Request::Play(next));
         self.tickets.drive = Some(ticket);
         self.tickets.latest_drive = Some(ticket);
+    }
+
+    /// Plays the setup's tones from rest with companions that cancel the harmonics of the drive, until they change; or reports the
+    /// obstacle.
+    pub(crate) fn cancel_harmonics(&mut self, setup: &Setup, out: &mut Outbox) {
+        let Some(made) = self.table_made().filter(|_| self.may_play() && self.is_table_there()) else {
+            return out.hinder("Press Drive first: the harmonics of what sounds are cancelled.".to_owned());
+        };
+        match with_companions(setup, &made.device_table) {
+            Ok(comb) => {
+                self.send(Request::Stop);
+                self.tickets.latest_drive = Some(self.send(Request::Play(Sounding::Comb(comb))));
+                out.post("Companions cancel the drive's harmonics until a tone changes.".to_owned());
+            }
+            Err(reason) => out.hinder(format!("{}.", slipline_link::capitalized(&reason.to_string()))),
+        }
     }
 
     /// Whether a refused drive is sent again from rest. The device refuses a glide that would be too loud on

@@ -115,17 +115,17 @@ impl Drive {
         self.obstacle_of_table(snapshot.is_simulated())
     }
 
-    /// The obstacle to a self-test, which needs neither a table nor an armed device.
-    pub(crate) fn obstacle_to_test(&self) -> Option<Obstacle> {
-        self.obstacle().filter(|obstacle| {
-            !matches!(
+    /// The obstacle to a self-test, which needs no table, and an armed device only where it unmutes the amplifier.
+    pub(crate) fn obstacle_to_test(&self, unmutes: bool) -> Option<Obstacle> {
+        self.obstacle().filter(|obstacle| match obstacle {
+            Obstacle::Muted => unmutes,
+            obstacle => !matches!(
                 obstacle,
-                Obstacle::Muted
-                    | Obstacle::NoTable(_)
+                Obstacle::NoTable(_)
                     | Obstacle::TableGivenUp
                     | Obstacle::TableUnfinished
                     | Obstacle::TableNotSent
-            )
+            ),
         })
     }
 

@@ -1,7 +1,7 @@
 //! The requests of the page of measurements.
 
-use crate::measure::KnownDrive;
 use crate::measure::circuit::TOLERANCE;
+use crate::measure::{Bandwidths, KnownDrive};
 use crate::measured_file::ForeignMetadata;
 use crate::selftest::SelftestRequest;
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad, SensorBody, SensorKind};
@@ -34,7 +34,7 @@ impl Default for MeasureDraft {
             body: None,
             level: 0.5,
             is_checked: false,
-            drive: KnownDrive { circuit, full_scale_a: 1.65 },
+            drive: KnownDrive { circuit, full_scale_a: 1.65, bandwidths: Bandwidths::default() },
         }
     }
 }
@@ -66,6 +66,8 @@ pub enum MeasureIntent {
     Draft(MeasureDraft),
     /// Start the measurement, for the calibration's place of this number if there is one.
     Begin(Option<usize>),
+    /// Measure the harmonics that the drive adds to tones, with the sensor and the level of the draft; the plate states them then.
+    Harmonics,
     /// Have the simulated device use an unknown plate near that of the file; or that of the file.
     Secret(bool),
     /// Tap on the simulated plate.

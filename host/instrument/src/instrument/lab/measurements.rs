@@ -1,7 +1,6 @@
 //! The page of measurements: the list, and the comparison of the chosen one with the plate while the page is open.
 
 use super::plate_lists::PlateLists;
-use super::selftest::BoardTest;
 use super::verification::Verification;
 use super::{Lab, MeasureIntent, Reach};
 use crate::hold::HoldEnd;
@@ -166,6 +165,7 @@ impl Lab {
                 self.measurements.lists.turn_to(reach.desk.plate(), self.rig.draw());
             }
             MeasureIntent::Tap => self.rig.tap(),
+            MeasureIntent::Harmonics => self.begin_harmonics(reach),
             MeasureIntent::Verify => {
                 if !self.is_measuring() && Verification::may_begin(reach) {
                     self.end_hold(HoldEnd::Measured, reach.out);
@@ -173,12 +173,7 @@ impl Lab {
                 }
             }
             MeasureIntent::SelftestDraft(request) => self.board_test.draft(request),
-            MeasureIntent::Selftest => {
-                if !self.is_measuring() && BoardTest::may_begin(reach) {
-                    self.end_hold(HoldEnd::Measured, reach.out);
-                    self.board_test.begin(reach);
-                }
-            }
+            MeasureIntent::Selftest => self.begin_selftest(reach),
             MeasureIntent::Cancel => self.cancel_measuring(),
             MeasureIntent::OpenFile => reach.out.push(Output::ChooseMeasurement),
             MeasureIntent::Describe(metadata) => {

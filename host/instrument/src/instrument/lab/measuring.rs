@@ -12,7 +12,8 @@ use crate::measure::{
     AfterCheck, CURRENT_INPUT, DriveChecking, MeasureError, Measured, Measuring, Plan, Run, Sensor, Wanted,
     remaining_samples,
 };
-use slipline_link::{Severity, Ticket};
+use slipline_link::protocol::listen::InputsReport;
+use slipline_link::{DeviceTable, Severity, Ticket};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::DriveCheck;
 use slipline_plate::quantity::show_place;
@@ -143,35 +144,52 @@ impl Lab {
 
     /// The measurement of the draft, or why the device cannot carry it out now.
     fn prepared_measuring(&self, reach: &Reach<'_>) -> Result<AfterCheck<Measuring>, MeasuringRefused> {
-        let Reach { desk, drive, .. } = reach;
+        let (inputs, table, sensor) = self.sensor_and_table(reach)?;
+        let (plate, rate_hz) = (reach.desk.plate(), reach.drive.sample_rate_hz());
+        let wanted = Wanted { level: self.live.draft.level, ..Wanted::of(plate) };
+        let plan = Plan::new(plate, &wanted, rate_hz, usize::from(inputs.lock_ins))?;
+        let measuring = Measuring::new(plan, Arc::clone(&table), sensor, &inputs)?;
+        Ok(AfterCheck::new(self.checking(reach, &inputs, table)?, measuring))
+    }
+
+    /// The inputs of the device, the plate's table that it holds, and the sensor of the draft, or why the device cannot measure now.
+    pub(super) fn sensor_and_table(
+        &self,
+        Reach { desk, drive, .. }: &Reach<'_>,
+    ) -> Result<(InputsReport, Arc<DeviceTable>, Sensor), MeasuringRefused> {
         if let Some(obstacle) = drive.obstacle() {
             return Err(obstacle.into());
         }
         let inputs = drive.snapshot().device.inputs.filter(|inputs| inputs.inputs > SENSOR_INPUT);
         let inputs = inputs.ok_or(MeasuringRefused::NoSensorInput)?;
         let made = drive.table_made().filter(|_| drive.is_table_there());
-        let table = &made.ok_or(MeasuringRefused::NoTable)?.device_table;
-        let MeasureDraft { place_m, kind, body, level, is_checked, drive: known_drive } = self.live.draft;
-        let (plate, rate_hz) = (desk.plate(), drive.sample_rate_hz());
-        if !(0.0..=plate.length_m()).contains(&place_m) {
+        let table = Arc::clone(&made.ok_or(MeasuringRefused::NoTable)?.device_table);
+        let MeasureDraft { place_m, kind, body, .. } = self.live.draft;
+        if !(0.0..=desk.plate().length_m()).contains(&place_m) {
             return Err(MeasuringRefused::OffThePlate { place_m });
         }
-        let wanted = Wanted { level, ..Wanted::of(plate) };
-        let plan = Plan::new(plate, &wanted, rate_hz, usize::from(inputs.lock_ins))?;
-        let sensor = Sensor { place_m, kind, input: SENSOR_INPUT, body };
-        let measuring = Measuring::new(plan, Arc::clone(table), sensor, &inputs)?;
+        Ok((inputs, table, Sensor { place_m, kind, input: SENSOR_INPUT, body }))
+    }
+
+    /// The check of the drive, if the draft asks for one.
+    pub(super) fn checking(
+        &self,
+        Reach { desk, drive, .. }: &Reach<'_>,
+        inputs: &InputsReport,
+        table: Arc<DeviceTable>,
+    ) -> Result<Option<DriveChecking>, MeasuringRefused> {
+        let MeasureDraft { is_checked, drive: known_drive, .. } = self.live.draft;
         if !is_checked {
-            return Ok(AfterCheck::new(None, measuring));
+            return Ok(None);
         }
         if inputs.inputs <= CURRENT_INPUT {
             return Err(MeasuringRefused::NoCurrentInput);
         }
         let known_drive =
             if is_at_bench(drive.snapshot()) { self.rig.known_drive() } else { Some(known_drive) };
-        let check = |known| DriveChecking::new(plate, known, Arc::clone(table), rate_hz, &inputs);
+        let check = |known| DriveChecking::new(desk.plate(), known, table, drive.sample_rate_hz(), inputs);
         // Without a drive the rig is put together first.
-        let checking = known_drive.map(check).transpose()?;
-        Ok(AfterCheck::new(checking, measuring))
+        Ok(known_drive.map(check).transpose()?)
     }
 
     /// The rig that the draft needs.
@@ -195,6 +213,7 @@ impl Lab {
     pub(crate) fn cancel_measuring(&mut self) {
         self.verification.cancel();
         self.board_test.cancel();
+        self.harmonics.cancel();
         self.rig.awaited_for = None;
         if let Some(run) = &mut self.live.run {
             run.measuring.cancel();
@@ -208,6 +227,8 @@ impl Lab {
             Ok(None) => {}
             Err(reason) => {
                 self.hold.awaits_rig = false;
+                self.board_test.awaits_rig = false;
+                self.harmonics.awaits_rig = false;
                 reach.out.fail(format!("The simulated plate cannot be measured: {reason}"));
             }
         }

@@ -3,6 +3,7 @@
 
 mod calibrate_intent;
 mod calibrating;
+mod harmonics;
 mod level_hold;
 mod measure_intent;
 mod measurements;
@@ -23,10 +24,13 @@ use super::shell::Attention;
 use super::shown::{CalibrateScene, HoldScene, MeasureScene, SelftestScene};
 use super::work::Jobs;
 use crate::bench::Bench;
+use crate::hold::HoldEnd;
+use crate::measure::{AfterCheck, HarmonicsPlan, MeasuringHarmonics};
 use calibrating::Calibrating;
+use harmonics::Harmonics;
 use level_hold::LevelHold;
 use measurements::Measurements;
-use measuring::Live;
+use measuring::{Live, MeasuringRefused};
 use rig::Rig;
 use selftest::BoardTest;
 use slipline_link::{Port, Snapshot, Ticket};
@@ -48,6 +52,7 @@ pub(crate) struct Lab {
     hold: LevelHold,
     verification: Verification,
     board_test: BoardTest,
+    harmonics: Harmonics,
 }
 
 /// What the lab acts on.
@@ -74,6 +79,7 @@ impl Lab {
             hold: LevelHold::default(),
             verification: Verification::default(),
             board_test: BoardTest::default(),
+            harmonics: Harmonics::default(),
         }
     }
 
@@ -82,7 +88,8 @@ impl Lab {
         self.update_hold(load, reach);
         self.update_measuring(reach);
         self.verification.update(reach);
-        self.board_test.update(reach);
+        self.update_selftest(reach);
+        self.update_harmonics(reach);
         let is_heard = self.is_measuring() || self.live.looks.is_looking() || self.hold.needs_sensor();
         self.rig.rest(!is_heard);
         self.measurements.compare(reach.desk.plate(), reach.attention);
@@ -96,12 +103,13 @@ impl Lab {
         }
     }
 
-    /// Whether a measurement, a comparison of codes or a self-test is under way, or a measurement's rig is being put together.
+    /// Whether a measurement, a comparison of codes, a self-test or a measurement of harmonics is under way, or a measurement's rig is being put together.
     pub(crate) const fn is_measuring(&self) -> bool {
         self.live.is_running()
             || self.rig.is_awaited()
             || self.verification.is_running()
             || self.board_test.is_running()
+            || self.harmonics.is_running()
     }
 
     /// Whether the lab handles this request's outcome.
@@ -110,6 +118,7 @@ impl Lab {
             || self.hold.holding.awaits(ticket)
             || self.verification.awaits(ticket)
             || self.board_test.awaits(ticket)
+            || self.harmonics.awaits(ticket)
     }
 
     /// The plate under the simulated device, where `plate` is on the screen; `None` while it is an unknown one that was not
@@ -148,6 +157,7 @@ impl Lab {
         let clock = (now, snapshot.sample_rate_hz().unwrap_or(USUAL_RATE_HZ));
         let mut live = self.live.scene(clock, &self.rig, is_at_bench(snapshot));
         let other = self.verification.progress(now).or(self.board_test.progress(now));
+        let other = other.or(self.harmonics.progress(now));
         live.progress = live.progress.or(other);
         self.measurements.scene(live)
     }
@@ -165,6 +175,90 @@ impl Lab {
     /// The calibration under way.
     pub(crate) fn calibration_scene(&self) -> Option<CalibrateScene<'_>> {
         self.calibration.scene()
+    }
+
+    /// Tests the board. The amplifier of the simulated device drives its plate, which is put on the bench first.
+    pub(super) fn begin_selftest(&mut self, reach: &mut Reach<'_>) {
+        if self.is_measuring() || !self.board_test.may_begin(reach) {
+            return;
+        }
+        self.end_hold(HoldEnd::Measured, reach.out);
+        let needs_rig = self.board_test.needs_amplifier() && is_at_bench(reach.drive.snapshot());
+        if needs_rig && !self.is_rig_standing(reach) {
+            self.board_test.awaits_rig = true;
+            self.rig.refused = None;
+            return self.put_rig_up(reach);
+        }
+        self.board_test.begin(reach);
+    }
+
+    /// Begins the test that waits for the plate of the simulated device, and continues the one under way.
+    pub(super) fn update_selftest(&mut self, reach: &mut Reach<'_>) {
+        if self.board_test.awaits_rig && self.is_rig_standing(reach) {
+            self.board_test.begin(reach);
+        }
+        if self.board_test.awaits_rig {
+            reach.out.wake_after(LOOK);
+        }
+        self.board_test.update(reach);
+    }
+
+    /// Starts the measurement of the drive's harmonics at the place and level of the draft, or reports the obstacle.
+    pub(super) fn begin_harmonics(&mut self, reach: &mut Reach<'_>) {
+        if self.is_measuring() {
+            return;
+        }
+        match self.prepared_harmonics(reach) {
+            Err(refused) => reach.out.hinder(refused.to_string()),
+            Ok(_) if is_at_bench(reach.drive.snapshot()) && !self.is_rig_standing(reach) => {
+                self.harmonics.awaits_rig = true;
+                self.rig.refused = None;
+                self.put_rig_up(reach);
+            }
+            Ok(measuring) => {
+                self.harmonics.awaits_rig = false;
+                self.end_hold(HoldEnd::Measured, reach.out);
+                self.harmonics.begin(measuring, reach);
+            }
+        }
+    }
+
+    /// The measurement of the draft, or why the device cannot carry it out now.
+    fn prepared_harmonics(
+        &self,
+        reach: &Reach<'_>,
+    ) -> Result<AfterCheck<MeasuringHarmonics>, MeasuringRefused> {
+        let (inputs, table, sensor) = self.sensor_and_table(reach)?;
+        let plate = reach.desk.plate();
+        let plan = HarmonicsPlan::new(
+            plate,
+            harmonics::POINTS,
+            self.live.draft.level,
+            reach.drive.sample_rate_hz(),
+        )?;
+        let measuring = MeasuringHarmonics::new(plate, plan, Arc::clone(&table), sensor, &inputs)?;
+        Ok(AfterCheck::new(self.checking(reach, &inputs, table)?, measuring))
+    }
+
+    /// Begins the measurement that waits for the simulated plate, and continues the one under way.
+    pub(super) fn update_harmonics(&mut self, reach: &mut Reach<'_>) {
+        if std::mem::take(&mut self.harmonics.awaits_rig) {
+            if self.is_rig_standing(reach) {
+                self.begin_harmonics(reach);
+            } else {
+                self.harmonics.awaits_rig = true;
+                reach.out.wake_after(LOOK);
+            }
+        }
+        self.harmonics.update(reach);
+    }
+
+    /// The plate with harmonics that were measured since the last call.
+    pub(crate) fn take_measured_plate(&mut self) -> Option<Arc<Plate>> {
+        let plate = self.harmonics.found.take()?;
+        self.rig.is_described_by(&plate);
+        self.measurements.lists.is_described_by(&plate);
+        Some(plate)
     }
 }
 

@@ -1,6 +1,8 @@
 //! The self-test of the connected board, as `slipline selftest` makes it. What ends a measurement ends it, too.
 
 use super::{LOOK, Reach};
+use crate::instrument::drive::Obstacle;
+use crate::instrument::shell::Page;
 use crate::instrument::shown::{Progress, SelftestScene};
 use crate::measure::{MeasureError, Run};
 use crate::selftest::{SelftestReport, SelftestRequest, Selftesting, Verdict};
@@ -15,6 +17,8 @@ pub(super) struct BoardTest {
     running: Option<(Run<Selftesting>, Arc<Plate>)>,
     report: Option<SelftestReport>,
     failed: Option<String>,
+    /// Whether it begins once the simulated device has its plate, which its amplifier drives.
+    pub(super) awaits_rig: bool,
 }
 
 impl BoardTest {
@@ -23,18 +27,20 @@ impl BoardTest {
         self.request = request;
     }
 
-    /// Whether it can begin; otherwise reports the obstacle.
-    pub(super) fn may_begin(reach: &mut Reach<'_>) -> bool {
-        let obstacle = reach.drive.obstacle_to_test().map(|obstacle| obstacle.to_string());
-        let may = obstacle.is_none();
-        if let Some(obstacle) = obstacle {
-            reach.out.hinder(obstacle);
+    /// Whether it can begin; otherwise reports the obstacle. Where the amplifier is tested, the user must have armed the device, after
+    /// the question that belongs to it.
+    pub(super) fn may_begin(&self, reach: &mut Reach<'_>) -> bool {
+        let Some(obstacle) = reach.drive.obstacle_to_test(self.request.is_amplifier_on) else { return true };
+        reach.out.hinder(obstacle.to_string());
+        if obstacle == Obstacle::Muted && !reach.attention.has_page {
+            reach.out.open(Page::Arm);
         }
-        may
+        false
     }
 
     /// Begins: ends the drive and a replay.
     pub(super) fn begin(&mut self, reach: &mut Reach<'_>) {
+        self.awaits_rig = false;
         reach.drive.give_up();
         reach.desk.end_replay();
         (self.report, self.failed) = (None, None);
@@ -80,20 +86,27 @@ impl BoardTest {
         }
     }
 
+    /// Whether it needs the amplifier.
+    pub(super) const fn needs_amplifier(&self) -> bool {
+        self.request.is_amplifier_on
+    }
+
     /// Cancels it.
     pub(super) fn cancel(&mut self) {
+        self.awaits_rig = false;
         if let Some((run, _)) = &mut self.running {
             run.cancel();
         }
     }
 
     pub(super) const fn is_running(&self) -> bool {
-        self.running.is_some()
+        self.running.is_some() || self.awaits_rig
     }
 
     /// How far it is, when the device is at sample `now`.
     pub(super) fn progress(&self, now: u64) -> Option<Progress> {
-        self.running.as_ref().map(|(run, _)| Progress { share: run.progress(now) as f32, left_s: None })
+        let share = self.running.as_ref().map(|(run, _)| run.progress(now) as f32);
+        share.or(self.awaits_rig.then_some(0.0)).map(|share| Progress { share, left_s: None })
     }
 
     /// Whether it handles this request's outcome.

@@ -177,6 +177,7 @@ impl Screen {
                 sample_rate_hz: sight.drive.sample_rate_hz(),
                 level: (tone.level * setup.master()).clamp(0.0, 1.0),
                 off_centre: false,
+                linear_share: sight.drive.snapshot().linear_share(),
                 other_boundaries_m: others.map(|other| other.position_m).collect(),
             },
         });

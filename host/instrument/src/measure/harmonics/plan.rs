@@ -1,6 +1,7 @@
 //! The combs of a measurement of harmonics.
 
 use crate::measure::error::MeasureError;
+use crate::measure::mains::is_hum;
 use crate::measure::plan::{Comb, HIGHEST, LEVEL, RISE, RISE_S, settle_s};
 use slipline_link::BLOCK;
 use slipline_plate::quantity::{OutOfRange, Range};
@@ -10,6 +11,8 @@ use slipline_plate::{Harmonics, Plate};
 pub const HARMONIC_POINTS: Range = Range::new(2.0, 64.0, "");
 /// Length of a window, seconds: a harmonic of 0.1 % of 500 codes is then 100 times the noise of the usual input.
 const WINDOW_S: f64 = 0.25;
+/// How many multiples aside of the nearest one are tried.
+const ASIDE: u8 = 12;
 
 /// The combs of a measurement of harmonics, one for each fundamental.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,8 +40,19 @@ impl HarmonicsPlan {
         let period_blocks = (WINDOW_S * rate_hz / BLOCK as f64).ceil() as u16;
         let base_hz = rate_hz / (BLOCK as f64 * f64::from(period_blocks));
         let wanted = (0..points).map(|i| low_hz * (high_hz / low_hz).powf(i as f64 / (points - 1) as f64));
-        let mut multiples: Vec<u16> = wanted.map(|hz| (hz / base_hz).round() as u16).collect();
+        // The nearest one whose harmonics, too, are away from the hum of the mains.
+        let is_clear = |multiple: &f64| {
+            *multiple >= 1.0 && [1.0, 2.0, 3.0].iter().all(|order| !is_hum(order * multiple * base_hz))
+        };
+        let near = |hz: f64| {
+            let nearest = (hz / base_hz).round();
+            let aside = (1..=ASIDE).flat_map(|steps| [-f64::from(steps), f64::from(steps)]);
+            let mut tried = std::iter::once(0.0).chain(aside).map(|step| nearest + step);
+            tried.find(is_clear).unwrap_or(nearest) as u16
+        };
+        let mut multiples: Vec<u16> = wanted.map(near).collect();
         // In a narrow band two of them may be the same multiple.
+        multiples.sort_unstable();
         multiples.dedup();
         let comb = |&multiple: &u16| {
             let frequency_hz = f64::from(multiple) * base_hz;

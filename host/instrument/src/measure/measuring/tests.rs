@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::measure::{NextStep, Run, Wanted, Warning};
+use slipline_link::protocol::board::Analogue;
 use slipline_link::protocol::event::{Fault, Faults, Status};
 use slipline_link::protocol::refusal::{Field, Refusal as DeviceRefusal};
 use slipline_link::{LinkState, Listened, Refusal, Snapshot};
@@ -364,6 +365,29 @@ fn a_travel_that_is_too_large_lowers_the_level() {
     assert!(device.sums.iter().all(|sum| *sum <= 0.3 && *sum > 0.28), "{:?}", device.sums);
     let points = measuring.finish().unwrap().measurement.points;
     assert!(points.iter().all(|it| (it.response - response(it.frequency_hz)).norm() < 2.0 * it.noise));
+}
+
+#[test]
+fn on_a_board_full_scale_is_the_linear_part_of_its_output() {
+    let plate = preset("membrane").unwrap();
+    let (_, table) = simulation::table_for(&plate, RATE_HZ).unwrap();
+    let wanted = Wanted { points: 16, level: 1.0, ..Wanted::of(&plate) };
+    let plan = Plan::new(&plate, &wanted, f64::from(RATE_HZ), 16).unwrap();
+    let sensor = Sensor { place_m: 0.032, kind: SensorKind::Velocity, input: 0, body: None };
+    for (linear_per_mille, least, most) in [(880, 0.87, 0.88), (1000, 0.99, 1.0)] {
+        let mut measuring = Run::of(Measuring::new(plan.clone(), table.clone(), sensor, &INPUTS).unwrap());
+        let mut snapshot = Snapshot::default();
+        snapshot.link.state = LinkState::Connected;
+        snapshot.device.analogue = Some(Analogue { linear_per_mille, ..Analogue::default() });
+        measuring.watch(&snapshot);
+        let mut device = Ideal::new(&table);
+        run(&mut measuring, &mut device, |_, _| ());
+        assert!(device.sums.iter().all(|sum| *sum <= most && *sum > least), "{:?}", device.sums);
+        let points = measuring.finish().unwrap().measurement.points;
+        let off =
+            |it: &slipline_plate::calibrate::MeasuredPoint| (it.response - response(it.frequency_hz)).norm();
+        assert!(points.iter().all(|it| off(it) < 2.0 * it.noise));
+    }
 }
 
 #[test]

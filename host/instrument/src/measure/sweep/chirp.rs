@@ -91,10 +91,13 @@ impl Chirp {
         first * (last / first).powf((samples / self.samples as f64).clamp(0.0, 1.0))
     }
 
-    /// The frequencies that are measured, Hz.
+    /// The frequencies that are measured, Hz. No tone rests at the hum of the mains, which the gate spreads over its own width.
     #[must_use]
     pub fn measured_hz(&self) -> Vec<f64> {
-        (0..self.wanted.points).map(|point| self.wanted.frequency_hz(point)).collect()
+        let Wanted { low_hz, high_hz, points, .. } = self.wanted;
+        (0..points)
+            .map(|point| low_hz * (high_hz / low_hz).powf(point as f64 / (points - 1) as f64))
+            .collect()
     }
 
     /// The width of the sweep's margins below and above the measured band, Hz.

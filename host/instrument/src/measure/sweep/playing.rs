@@ -77,6 +77,7 @@ impl Procedure for Playing {
     type Found = PlayedSweep;
 
     async fn carry_out(mut self, dialogue: Dialogue) -> Result<Self::Heard, MeasureError> {
+        self.sweep.level *= dialogue.linear_scale(self.sweep.level);
         let rate_hz = self.sweep.chirp.rate_hz;
         // The sweeps with the longest lead, and two seconds of codes around them.
         let longest = self.sweep.clone().with_lead(LEADS * self.lead_s).end();

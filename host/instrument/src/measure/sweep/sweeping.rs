@@ -35,7 +35,7 @@ pub struct Sweeping {
     sensor: Sensor,
     lag_s: f64,
     lead_s: f64,
-    /// Factor on the level by which the tone stays within the actuator's travel.
+    /// Factor on the level by which the tone stays within the DAC's linear part and the actuator's travel.
     scale: f64,
     tries: Tries,
     late: u32,
@@ -174,6 +174,7 @@ impl Procedure for Sweeping {
         let all = u64::from(self.plan.captures) * self.plan.capture_samples();
         // The sweep and a second of codes around it.
         dialogue.replay(all + self.plan.chirp.rate_hz as u64);
+        self.scale = dialogue.linear_scale(self.plan.chirp.wanted.level);
         dialogue.stop().await?;
         let at = dialogue.lend(&self.sweep, &self.table).await?;
         let mut apply = Apply::At(self.plan.chirp.after(at, SILENT_S));

@@ -7,6 +7,7 @@ pub(super) mod drift;
 pub(super) mod drive;
 pub(super) mod felt_edge;
 pub(super) mod frame;
+pub(super) mod linear_output;
 pub(super) mod sensitivity;
 pub(super) mod shape;
 pub(super) mod sound;

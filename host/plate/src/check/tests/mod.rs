@@ -4,6 +4,7 @@ mod actuator;
 mod calibrated;
 mod drive;
 mod felt_edge;
+mod linear_output;
 mod sensitivity;
 mod shape;
 mod sound;

@@ -44,6 +44,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         WizardPage::Plate => known::show(ui, calibration, view, intents),
         WizardPage::FirstPlace => {
             place(ui, calibration, 0);
+            wrapped(ui, RichText::new(calibration.sensor_note()).small().color(palette.weak));
             signal::show(ui, scene, intents);
         }
         WizardPage::FirstAnswer => answer(ui, scene, view, calibration, 0, intents),
@@ -104,9 +105,6 @@ fn answer(
     }
     measure_form::show(ui, scene, &mut view.fields, Some(sensor), intents);
     if sensor == 0 {
-        if let Some(note) = calibration.mass_note() {
-            wrapped(ui, RichText::new(note).small().color(palette.weak));
-        }
         measure_form::body(ui, scene, &mut view.fields, intents);
     }
     ui.add_space(4.0);

@@ -15,7 +15,11 @@ const LIGHT: egui::Vec2 = vec2(16.0, 18.0);
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.heading("Test this board");
     ui.add_space(6.0);
-    let text = "The board measures itself for about a minute, with its amplifier muted, and is disarmed then. Steps without their wire are skipped.";
+    let text = if scene.selftest.request.is_amplifier_on {
+        "Quiet tones at -40 dB, first with the amplifier muted, then with it on: an input must receive them only then. The board is disarmed then. Do this once all else has passed without the amplifier."
+    } else {
+        "The board measures itself for about a minute, with its amplifier muted, and is disarmed then. Steps without their wire are skipped."
+    };
     ui.add(egui::Label::new(text).wrap());
     ui.add_space(6.0);
     let test = &scene.selftest;
@@ -54,6 +58,19 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
 
 fn choices(ui: &mut egui::Ui, request: SelftestRequest, intents: &mut Intents) {
     let mut wanted = request;
+    let amplifier = ui.checkbox(&mut wanted.is_amplifier_on, "Test the amplifier, connected and switched on");
+    amplifier.on_hover_text(
+        "An inverted mute is silent in every drive and on in every fault; arm a board for it first",
+    );
+    // What the other steps need, the test of the amplifier must not have.
+    ui.add_enabled_ui(!wanted.is_amplifier_on, |ui| without_amplifier(ui, &mut wanted));
+    if wanted != request {
+        intents.push(Intent::Measure(MeasureIntent::SelftestDraft(wanted)));
+    }
+}
+
+/// What the steps without the amplifier may use.
+fn without_amplifier(ui: &mut egui::Ui, wanted: &mut SelftestRequest) {
     ui.checkbox(&mut wanted.has_sensor_wire, "A wire from the DAC's pin to the sensor's")
         .on_hover_text("For the converters, their lag and their noise");
     ui.checkbox(&mut wanted.has_trigger_wire, "A wire from the trigger output to the trigger input")
@@ -64,9 +81,6 @@ fn choices(ui: &mut egui::Ui, request: SelftestRequest, intents: &mut Intents) {
         .on_hover_text("Fewer codes, and the clocks over that time alone");
     ui.checkbox(&mut wanted.asks, "Ask me to press the board's button")
         .on_hover_text("For the user button, the stop input and the flash");
-    if wanted != request {
-        intents.push(Intent::Measure(MeasureIntent::SelftestDraft(wanted)));
-    }
 }
 
 /// A step as a light: its name, its verdict, its numbers that have limits, and its sentence.

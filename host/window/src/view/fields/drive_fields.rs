@@ -31,8 +31,9 @@ pub(crate) fn show(ui: &mut egui::Ui, fields: &mut Fields, live: &LiveScene<'_>)
 
 /// The fields of the circuit.
 fn circuit(ui: &mut egui::Ui, fields: &mut Fields, drive: KnownDrive) -> KnownDrive {
-    let KnownDrive { circuit: DriveCircuit { mut full_scale_v, mut load, tolerance }, mut full_scale_a } =
-        drive;
+    let KnownDrive {
+        circuit: DriveCircuit { mut full_scale_v, mut load, tolerance }, mut full_scale_a, ..
+    } = drive;
     let mut reason = None;
     type Read = fn(&str) -> Result<f64, QuantityError>;
     let mut entry =
@@ -60,7 +61,7 @@ fn circuit(ui: &mut egui::Ui, fields: &mut Fields, drive: KnownDrive) -> KnownDr
         entry(ui, &mut full_scale_a, field, "shunt", SHUNT, ampere);
     });
     refusal_over(ui, fields.response.rect, reason.as_deref());
-    KnownDrive { circuit: DriveCircuit { full_scale_v, load, tolerance }, full_scale_a }
+    KnownDrive { circuit: DriveCircuit { full_scale_v, load, tolerance }, full_scale_a, ..drive }
 }
 
 /// A number as a user types it: without trailing zeros.

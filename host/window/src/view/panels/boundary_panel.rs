@@ -27,6 +27,7 @@ const HEADLINE: f32 = 20.0;
 /// Space between two rows of the page, and the least height of one with controls, in points.
 const CLOSE: f32 = 3.0;
 const ROW: f32 = 24.0;
+const CANCEL_HELP: &str = "Play the tones again from silence, with companions opposite to the drive's harmonics that the plate states; until a tone changes";
 const SLIPPERY_HELP: &str = "Slippery surfaces need 20 kHz or more; below, a finger feels the vibration";
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
@@ -88,6 +89,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         format!("The last change takes {:.0} ms: none is faster.", 1e3 * seconds)
     });
     lines(ui, stretched, palette.weak, 1);
+    if plate.spec().harmonics.is_some() {
+        ui.button("Cancel harmonics").on_hover_text(CANCEL_HELP).asks(intents, Intent::CancelHarmonics);
+    }
     if IS_THERE {
         sound::volume(ui, scene, &mut view.fields, intents);
     }

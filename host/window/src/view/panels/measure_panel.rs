@@ -19,6 +19,8 @@ const OPEN_HELP: &str = "A CSV of this page, or what another program measured: a
 const RECORDINGS: &str = if cfg!(target_arch = "wasm32") { "WAV" } else { "WAV, FLAC, ALAC (M4A) or AIFF" };
 const CALIBRATE_HELP: &str =
     "Fit the plate to the measured response at two places: its speed, its loss, the gain of its drive";
+const HARMONICS_HELP: &str = "Measure the second and third harmonic that the drive adds to tones, by the sensor near the driven end, at this level; the \
+     plate states them then, and the page Boundary can cancel them";
 /// Width of a measurement's colour in the list, in points.
 const SWATCH: f32 = 12.0;
 /// Width of the button that removes one, in points.
@@ -41,6 +43,11 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     if scene.dialog != Some(&Dialog::Calibrate) {
         foreign_form::show(ui, scene, &mut view.fields, intents);
         measure_form::show(ui, scene, &mut view.fields, None, intents);
+        let may = scene.measure.live.progress.is_none();
+        ui.add_enabled(may, egui::Button::new("Measure harmonics"))
+            .on_hover_text(HARMONICS_HELP)
+            .on_disabled_hover_text("It is being measured")
+            .asks(intents, Intent::Measure(MeasureIntent::Harmonics));
     }
     if shelf.entries().is_empty() {
         let text = "Measured response over frequency: level and phase beside the model of this plate, and the noise.";

@@ -1,0 +1,100 @@
+//! The answer of a measurement of a drive's harmonics.
+
+use crate::measure::{MeasuredHarmonics, Sensor};
+use serde::Serialize;
+use slipline_plate::quantity::from_decibels;
+use slipline_plate::quantity::number_format::significant;
+use slipline_plate::{Harmonics, Plate, PlateError, PlateSpec};
+
+/// The fields of `slipline measure --harmonics --json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct HarmonicsAnswer {
+    pub plate: String,
+    pub place_m: f64,
+    pub kind: &'static str,
+    pub harmonic_level: f64,
+    pub harmonics: [HarmonicAnswer; 2],
+    pub warnings: Vec<String>,
+    pub toml: String,
+}
+
+/// One harmonic.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct HarmonicAnswer {
+    pub order: u8,
+    pub frequency_hz: Vec<f64>,
+    pub ratio_db: Vec<f64>,
+    pub lead_deg: Vec<f64>,
+    pub ratio_noise: f64,
+    pub unclear: usize,
+}
+
+impl HarmonicsAnswer {
+    /// The fields of what a sensor found, on the plate that states it ([`MeasuredHarmonics::on`]).
+    #[must_use]
+    pub fn of(plate: &Plate, sensor: &Sensor, found: &MeasuredHarmonics) -> Self {
+        let harmonic = |order: u8| {
+            let points = found.harmonics.curve(order).map_or(&[][..], |curve| &curve.points);
+            let column = |number: usize| points.iter().map(|point| point[number]).collect();
+            let number = usize::from(order - Harmonics::ORDERS[0]);
+            HarmonicAnswer {
+                order,
+                frequency_hz: column(0),
+                ratio_db: column(1),
+                lead_deg: column(2),
+                ratio_noise: found.noise[number],
+                unclear: found.unclear[number],
+            }
+        };
+        Self {
+            plate: plate.name().to_owned(),
+            place_m: sensor.place_m,
+            kind: sensor.kind.word(),
+            harmonic_level: found.harmonics.level,
+            harmonics: Harmonics::ORDERS.map(harmonic),
+            warnings: found.warnings(),
+            toml: plate.to_toml(),
+        }
+    }
+}
+
+impl MeasuredHarmonics {
+    /// The measured plate with these harmonics.
+    ///
+    /// # Errors
+    /// Those of [`Plate::new`].
+    pub fn on(&self, plate: &Plate) -> Result<Plate, PlateError> {
+        Plate::new(PlateSpec { harmonics: Some(self.harmonics.clone()), ..plate.spec().clone() })
+    }
+
+    /// What was not measured, as sentences.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let of_order = |(order, unclear): (u8, usize)| {
+            (unclear > 0).then(|| {
+                format!(
+                    "At {unclear} frequencies the sensor does not receive {order} times the frequency clearly: they are left out."
+                )
+            })
+        };
+        Harmonics::ORDERS.into_iter().zip(self.unclear).filter_map(of_order).collect()
+    }
+
+    /// What was found of the second and the third harmonic, as sentences.
+    #[must_use]
+    pub fn words(&self) -> Vec<(&'static str, String)> {
+        let percent = |share: f64, digits| significant(100.0 * share, digits);
+        let of_order = |(order, noise): (u8, f64)| {
+            let levels = || self.harmonics.curve(order).into_iter().flat_map(|curve| &curve.points);
+            let shares = levels().map(|point| from_decibels(point[1]));
+            let low = shares.clone().reduce(f64::min)?;
+            let high = shares.fold(low, f64::max);
+            let name = if order == 2 { "Second harmonic" } else { "Third harmonic" };
+            let [low, high, noise] = [percent(low, 2), percent(high, 2), percent(noise, 1)];
+            Some((name, format!("{low} to {high} % of the fundamental, noise {noise} %")))
+        };
+        Harmonics::ORDERS.into_iter().zip(self.noise).filter_map(of_order).collect()
+    }
+}
