@@ -39,7 +39,8 @@ impl From<ClientError> for Failure {
             | ClientError::NotHeld(_)
             | ClientError::NotOn(_)
             | ClientError::NotComparable(None)
-            | ClientError::Dropped => Exception::Refused,
+            | ClientError::Dropped
+            | ClientError::OptionsDiffer { .. } => Exception::Refused,
         };
         Self::Because(kind, error.to_string())
     }
