@@ -112,7 +112,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
     #[test]
-    fn whatever_is_under_way_when_the_link_closes_has_an_outcome(
+    fn every_request_under_way_when_the_link_closes_has_an_outcome(
         asked in prop::collection::vec((0..11usize, 0..3u64), 1..30),
         dropped in prop::option::weighted(0.3, 1..6u32),
     ) {

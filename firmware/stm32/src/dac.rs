@@ -291,8 +291,8 @@ pub(crate) fn paused<R>(work: impl FnOnce() -> R) -> R {
     result
 }
 
-/// Stops the DMA for a millisecond, as a blocked bus does, with nobody to notice meanwhile: the DAC holds its code. What follows is
-/// what follows a DMA that does not deliver.
+/// Stops the DMA for a millisecond, as a blocked bus does, with nobody to notice meanwhile: the DAC holds its code. Afterwards the
+/// device behaves as after any DMA that does not deliver.
 pub(crate) fn stall() {
     cortex_m::interrupt::free(|_| {
         STREAM.stop();

@@ -57,7 +57,7 @@ class Flash:
         self.are_options_locked = tuple(self.option_keys) != OPTION_KEYS
 
     def program_options(self, wanted, torn):
-        """Puts the option bytes into the flash; `torn` is what a power cut inside leaves. Returns whether the power is gone."""
+        """Puts the option bytes into the flash; a power cut inside leaves `torn`. Returns whether the power is gone."""
         assert not self.are_options_locked, "the option bytes are locked"
         changed = wanted ^ self.options
         assert not changed & ~self.BROWN_OUT, f"option bits {changed:#x} are changed; only the level of the brown-out reset may be"

@@ -82,8 +82,8 @@ pub(super) const fn read_protection_of(options: u32) -> u8 {
     (options >> RDP) as u8
 }
 
-/// Writes the option bytes (RM0433 4.4.3); returns whether the flash reports no error. What is not programmed by FLASH_OPTSR_PRG is
-/// written as its own register has it from the reset. An old error would refuse the start, so it is cleared first.
+/// Writes the option bytes (RM0433 4.4.3); returns whether the flash reports no error. Option bytes outside FLASH_OPTSR_PRG are
+/// written as their own registers hold them since the reset. An old error would refuse the start, so it is cleared first.
 pub(super) fn write_options(keys: [u32; 2], wanted: u32) -> bool {
     FLASH.optccr().write(|w| w.0 = OPTCHANGEERR);
     if FLASH.optcr().read().0 & OPTLOCK != 0 {

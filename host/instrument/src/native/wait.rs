@@ -26,7 +26,7 @@ impl<W: BlockingLink> Client<W> {
         self.check_link()
     }
 
-    /// The state of a link that is there.
+    /// The state of the link, if it has a device or is about to.
     fn check_link(&self) -> Result<Arc<Snapshot>, ClientError> {
         let snapshot = self.snapshot();
         match &snapshot.link.state {
