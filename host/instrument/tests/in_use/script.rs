@@ -28,7 +28,7 @@ pub(crate) trait Hands {
     fn record(&mut self, records: bool);
     /// Replays the recording.
     fn replay(&mut self);
-    /// Opens the calibration (900 ms) and measures at both its places (600 ms a page, 20 s a measurement).
+    /// Opens the calibration (900 ms) and measures at both its places (600 ms a page, 30 s a measurement).
     /// Uses the plate of its result (600 ms).
     fn calibrate(&mut self);
     /// Opens the page of measurements (300 ms), has the simulated device use an unknown plate, and starts to
@@ -176,7 +176,7 @@ impl Hands for Session {
                 self.pass(600);
                 self.instrument.perform_measure(MeasureIntent::Begin(Some(sensor)));
                 self.turn();
-                self.pass(20_000);
+                self.pass(30_000);
             }
         }
         self.pass(600);

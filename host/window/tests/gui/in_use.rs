@@ -101,7 +101,7 @@ impl Hands for AtWindow {
         for name in ["Next", "Next", "Measure now", "Next", "Measure now", "Next", "Use this plate"] {
             self.page(name, 600);
             if name == "Measure now" {
-                self.0.wait(20_000);
+                self.0.wait(30_000);
             }
         }
     }

@@ -117,15 +117,16 @@ impl Drive {
 
     /// The obstacle to a self-test, which needs no table, and an armed device only where it unmutes the amplifier.
     pub(crate) fn obstacle_to_test(&self, unmutes: bool) -> Option<Obstacle> {
-        self.obstacle().filter(|obstacle| match obstacle {
-            Obstacle::Muted => unmutes,
-            obstacle => !matches!(
+        self.obstacle().filter(|obstacle| {
+            let is_of_table = matches!(
                 obstacle,
                 Obstacle::NoTable(_)
                     | Obstacle::TableGivenUp
                     | Obstacle::TableUnfinished
                     | Obstacle::TableNotSent
-            ),
+            );
+            let is_muted = matches!(obstacle, Obstacle::Muted);
+            !is_of_table && (unmutes || !is_muted)
         })
     }
 
