@@ -21,6 +21,8 @@ const NEIGHBOURS: usize = 2;
 const ROUNDING: f64 = 1.0 / 12.0;
 /// Time that an amplifier takes to settle after its mute pin has risen, seconds.
 const SETTLED_S: f64 = 0.2;
+/// Time after which the mute pin of a disarmed device must be low, seconds: it switches the amplifier off within some milliseconds.
+const MUTED_S: f64 = 0.02;
 
 /// The power of one tone at an input and that of the noise beside it, in any unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +40,8 @@ impl Course {
         let mut levels: Vec<PinLevel> = vec![self.mute_level_or_none().await?];
         let amplifier = self.step(step::AMPLIFIER, self.amplifier(&mut levels)).await?;
         self.dialogue.disarm().await?;
-        // Its ramp is over, and the pin low.
         self.idle().await?;
+        self.dialogue.past(self.dialogue.now() + self.samples(MUTED_S)).await?;
         levels.push(self.mute_level_or_none().await?);
         let mute = self.mute(&levels);
         let link = self.link(&link_before);
