@@ -77,5 +77,5 @@ pub use instrument::{
     Asked, AskedContent, AskedTable, Attention, Awaited, Background, CalibrateIntent, CalibrateScene,
     CalibrationSide, DesignState, Desk, DeviceIntent, DragRecorder, Drive, HoldScene, Instrument, Jobs, Link,
     LiveScene, MeasureDraft, MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, Progress, SAFE_MODE,
-    Screen, SelftestScene, Shown, TextureScene, TourScene, TourStep, Waiting, fault_sentence,
+    Screen, SelftestScene, Shown, SoFar, TextureScene, TourScene, TourStep, Waiting, fault_sentence,
 };

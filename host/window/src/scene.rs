@@ -11,7 +11,7 @@ use std::ops::Deref;
 
 pub use slipline_instrument::{
     Asked, AskedContent, AskedTable, Background, CalibrateScene, DesignState, HoldScene, LiveScene,
-    MeasureScene, Notice, TextureScene, Waiting,
+    MeasureScene, Notice, SoFar, TextureScene, Waiting,
 };
 
 /// Everything the views show.

@@ -36,7 +36,7 @@ mod work;
 pub use before_after::CalibrationSide;
 pub use desk::{Desk, DragRecorder};
 pub use drive::{DeviceIntent, Drive, SAFE_MODE, fault_sentence};
-pub use lab::{CalibrateIntent, MeasureDraft, MeasureIntent};
+pub use lab::{CalibrateIntent, MeasureDraft, MeasureIntent, SoFar};
 pub use outbox::{Notice, Outbox};
 pub use screen::Screen;
 pub use shell::{Attention, Link, Output, Page};

@@ -1,7 +1,7 @@
 //! State of an instrument for display: the setup, the plate, the device, and the progress of work.
 
 use super::outbox::Notice;
-use super::{CalibrationSide, DragRecorder, MeasureDraft, TourScene};
+use super::{CalibrationSide, DragRecorder, MeasureDraft, SoFar, TourScene};
 use crate::calibration::CalibrationWizard;
 use crate::concern::{self, Concern, Concerns};
 use crate::hold::{Holding, Standing};
@@ -252,6 +252,8 @@ pub struct LiveScene<'a> {
     pub draft: &'a MeasureDraft,
     /// How far a measurement is, while one is under way.
     pub progress: Option<Progress>,
+    /// What it has heard so far, while the response at a sensor is measured.
+    pub so_far: Option<SoFar<'a>>,
     /// Whether the check of the drive is under way.
     pub is_checking: bool,
     /// Whether the rig of the simulated device states its drive circuit.

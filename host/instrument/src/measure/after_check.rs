@@ -5,6 +5,7 @@ use super::drive_checking::DriveChecking;
 use super::error::MeasureError;
 use super::measuring::Measuring;
 use super::procedure::Procedure;
+use slipline_plate::calibrate::Measurement;
 
 /// Share of the check in the progress.
 const SHARE: f64 = 0.2;
@@ -27,6 +28,11 @@ impl AfterCheck<Measuring> {
     pub(crate) fn planned_samples(&self) -> f64 {
         let measured = self.procedure.planned_samples() as f64;
         if self.checking.is_some() { measured / (1.0 - SHARE) } else { measured }
+    }
+
+    /// A measurement at the frequencies of its plan, in which nothing is heard yet.
+    pub(crate) fn planned(&self) -> Measurement {
+        self.procedure.planned()
     }
 }
 

@@ -7,6 +7,7 @@ use super::setback::ended_by;
 use slipline_link::protocol::event::State as DeviceState;
 use slipline_link::protocol::limits::LEASE_MS;
 use slipline_link::{DeviceTable, Outcome, Request, Snapshot};
+use slipline_plate::calibrate::Measurement;
 use std::cell::{RefCell, RefMut};
 use std::future::poll_fn;
 use std::rc::Rc;
@@ -38,6 +39,8 @@ pub(super) struct State {
     /// The plate's own table, while the device may hold another.
     pub(super) own_table: Option<Arc<DeviceTable>>,
     progress: Progress,
+    /// What a measurement has heard so far.
+    pub(super) so_far: Option<Arc<Measurement>>,
     pub(super) is_checking: bool,
     /// Whether the last request was a stop and has been carried out.
     pub(super) is_silent: bool,
@@ -209,6 +212,11 @@ impl Dialogue {
     pub(crate) fn mark(&self, done: u64, all: u64, running: Option<(u64, u64)>) {
         let progress = &mut self.0.borrow_mut().progress;
         *progress = Progress { done, all, running, ..*progress };
+    }
+
+    /// States what a measurement has heard so far.
+    pub(super) fn heard(&self, so_far: Measurement) {
+        self.0.borrow_mut().so_far = Some(Arc::new(so_far));
     }
 
     /// Declares that the next step is this part of the whole, from share to share, and whether it checks the

@@ -18,7 +18,8 @@ use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{
     CombRequest, DeviceTable, HarmonicRequest, ListenRequest, Outcome, Request, Sounding, WindowShape,
 };
-use slipline_plate::Complex64;
+use slipline_plate::calibrate::{MeasuredPoint, Measurement};
+use slipline_plate::{Complex64, order};
 use std::sync::Arc;
 
 /// Master level of a silent comb: its amplitude is far below a code while its phases run.
@@ -55,6 +56,26 @@ impl Measuring {
     /// Samples that it needs by its plan.
     pub(super) fn planned_samples(&self) -> u64 {
         self.plan.samples()
+    }
+
+    /// A measurement at the frequencies of its plan, in which nothing is heard yet.
+    pub(super) fn planned(&self) -> Measurement {
+        let combs = self.plan.combs.iter().flat_map(|comb| comb.frequencies_hz(self.plan.rate_hz));
+        let mut points: Vec<MeasuredPoint> = combs
+            .map(|frequency_hz| MeasuredPoint {
+                frequency_hz,
+                response: Complex64::ONE,
+                noise: 1.0,
+                headroom_db: None,
+            })
+            .collect();
+        order::sort_by(&mut points, |a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        Measurement::at(self.sensor.place_m, self.sensor.kind, points).by(self.sensor.body)
+    }
+
+    /// What the windows so far say.
+    fn measured(&self, quiet: &Window) -> Measured {
+        Measured::of(&self.sensor, self.plan.rate_hz, self.lag_s, quiet, &self.windows)
     }
 
     /// Measures one comb; with the first comb it measures the noise before, at the silent level.
@@ -161,12 +182,14 @@ impl Procedure for Measuring {
             let window = self.window(&dialogue, &comb).await?;
             match &self.quiet {
                 None => self.quiet = Some(window),
-                Some(_) => self.windows.push(window),
+                Some(quiet) => {
+                    self.windows.push(window);
+                    dialogue.heard(self.measured(quiet).measurement);
+                }
             }
         }
         dialogue.stop().await?;
-        let quiet = self.quiet.ok_or(MeasureError::Cancelled)?;
-        let measured = Measured::of(&self.sensor, self.plan.rate_hz, self.lag_s, &quiet, &self.windows);
+        let measured = self.measured(self.quiet.as_ref().ok_or(MeasureError::Cancelled)?);
         measured.measurement.check()?;
         Ok(measured)
     }

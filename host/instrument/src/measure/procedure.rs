@@ -6,7 +6,9 @@ use super::error::MeasureError;
 use super::prompt::Prompt;
 use super::setback::ended_by;
 use slipline_link::{LinkState, Outcome, Request, Snapshot, Ticket};
+use slipline_plate::calibrate::Measurement;
 use std::pin::Pin;
+use std::sync::Arc;
 use std::task::{Context, Poll, Waker};
 
 /// A sequence of requests to a device, without a clock and without a port.
@@ -225,6 +227,12 @@ impl<P: Procedure> Run<P> {
     #[must_use]
     pub fn prompt(&self) -> Option<Prompt> {
         self.dialogue.state().prompt
+    }
+
+    /// What a measurement has heard so far; `None` before its first answers, and of other procedures.
+    #[must_use]
+    pub fn so_far(&self) -> Option<Arc<Measurement>> {
+        self.dialogue.state().so_far.clone()
     }
 
     /// Whether the drive is being checked.

@@ -157,12 +157,13 @@ impl App {
         }
     }
 
+    /// Opens what was dropped: every measurement, and of other files the first; the others are named.
     pub(super) fn dropped_files(&mut self, ctx: &egui::Context) {
         if self.is_stage_alone() {
             return;
         }
-        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-        if let Some(file) = dropped.first() {
+        let (mut is_opened, mut left) = (false, Vec::new());
+        for file in ctx.input(|input| input.raw.dropped_files.clone()) {
             let path = file.path().to_owned();
             // On the page of measurements a table is one.
             let is_table = has_extension(&path, &["csv"]) && self.view.is_measuring();
@@ -173,7 +174,17 @@ impl App {
             } else {
                 FileJob::Open(path)
             };
-            self.services.files.begin(job);
+            if !matches!(job, FileJob::OpenMeasurement(_)) && std::mem::replace(&mut is_opened, true) {
+                left.push(file.path().file_name().unwrap_or_default().display().to_string());
+            } else {
+                self.services.files.begin(job);
+            }
+        }
+        if !left.is_empty() {
+            let left = left.join(", ");
+            self.instrument.out.fail(format!(
+                "Only one setup, plate, recording or picture opens at a time. Not opened: {left}."
+            ));
         }
     }
 }

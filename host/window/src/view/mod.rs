@@ -34,6 +34,9 @@ use eframe::egui;
 use panels::side_panel;
 use plots::response;
 
+/// What is said while a file is held over the window.
+const DROP: &str = "Drop to open a setup, plate, measurement, recording or picture";
+
 /// Shows the whole window.
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Intents {
     let mut intents = Intents::new();
@@ -90,7 +93,22 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
         }
     });
     dialogs::show(ui, scene, view, &mut intents);
+    if scene.stage_alone.is_none() && ui.input(|input| !input.raw.hovered_files.is_empty()) {
+        drop_hint(ui);
+    }
     intents
+}
+
+/// Over all of the window, while a file is held over it: what happens where it is dropped.
+fn drop_hint(ui: &egui::Ui) {
+    let palette = theme::palette(ui);
+    let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop hint"));
+    let (painter, window) = (ui.ctx().layer_painter(layer), ui.ctx().content_rect());
+    painter.rect_filled(window, 0.0, palette.panel.gamma_multiply(0.7));
+    let stroke = egui::Stroke::new(2.0, palette.accent);
+    painter.rect_stroke(window.shrink(4.0), 6.0, stroke, egui::StrokeKind::Inside);
+    let font = egui::FontId::proportional(20.0);
+    painter.text(window.center(), egui::Align2::CENTER_CENTER, DROP, font, palette.text);
 }
 
 /// The status line between the buttons that open the parts of the window.

@@ -1,7 +1,7 @@
 //! Files that are dropped on the window: each is opened as what it is.
 
 use crate::test_app::TestApp;
-use eframe::egui::{DroppedFile, accesskit::Role};
+use eframe::egui::{DroppedFile, HoveredFile, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_model::export::figures::encode;
 use std::path::{Path, PathBuf};
@@ -18,6 +18,37 @@ impl DroppedFile for Dropped {
     fn bytes(&self) -> Result<Vec<u8>, String> {
         Err("the app reads files by their path".to_owned())
     }
+}
+
+#[test]
+fn a_file_that_is_held_over_the_window_is_asked_for_in_words() {
+    let mut app = TestApp::driving();
+    let is_said = |app: &TestApp| {
+        crate::plots::words(app.window.output()).iter().any(|(words, _)| words.starts_with("Drop to open "))
+    };
+    assert!(!is_said(&app));
+    app.window.input_mut().hovered_files = vec![HoveredFile::default()];
+    app.wait(50);
+    assert!(is_said(&app));
+    app.window.input_mut().hovered_files.clear();
+    app.wait(50);
+    assert!(!is_said(&app));
+}
+
+#[test]
+fn of_several_files_of_one_setup_one_is_opened_and_the_others_are_named() {
+    let mut app = TestApp::driving();
+    let plate = |name: &str| {
+        let text = slipline_plate::preset(name).unwrap().to_toml();
+        (PathBuf::from(format!("{name}.toml")), Ok(text))
+    };
+    *app.files.contents.borrow_mut() = vec![plate("membrane-heavy"), plate("al-bending")];
+    let paths = ["membrane-heavy.toml", "al-bending.toml"].map(PathBuf::from);
+    app.window.input_mut().dropped_files = paths.map(|path| Arc::new(Dropped(path)) as _).to_vec();
+    app.wait(300);
+    assert_eq!(app.window.state().setup().plate.name(), "membrane-heavy");
+    let log = app.snapshot().record.log;
+    assert!(log.iter().any(|line| line.text.contains("Not opened: al-bending.toml")), "{log:?}");
 }
 
 /// Drops a file with these bytes, which exists under its name.

@@ -84,6 +84,15 @@ fn a_measurement_is_seen_from_every_page_and_cancelled_there() {
         assert!(app.shows("being measured") && is_painted(&app, "Measuring: "), "{page}");
         assert!(!app.has("Drive") && !is_painted(&app, "drives the plate"), "{page}");
     }
+    let mut counts: Vec<String> = Vec::new();
+    for plot in ["Drive waveform", "Spectrum", "Finger trace"] {
+        app.click_button(plot, 100);
+        app.wait(1000);
+        let words = crate::plots::words(app.window.output());
+        let so_far = words.iter().find(|(words, _)| words.contains("model: line"));
+        counts.push(so_far.unwrap_or_else(|| panic!("{plot}: {words:?}")).0.clone());
+    }
+    assert_ne!(counts[0], counts[2], "the answers appear as they come");
     // The line stays where it is, by pointer and by keys.
     app.window.drag_at(line.center());
     app.release(line.center() + vec2(-60.0, 0.0), 300);

@@ -92,6 +92,16 @@ impl Measurements {
         self.comparisons.ask(CompareJob { plate, measurement });
     }
 
+    /// Asks for the model's answers to a measurement that is under way.
+    pub(super) fn ask_model(&mut self, planned: &CompareJob) {
+        self.comparisons.ask(planned.clone());
+    }
+
+    /// The model's answers to it, if it was asked last and is computed.
+    pub(super) fn model(&self, planned: &CompareJob) -> Option<&Compared> {
+        self.comparisons.current().filter(|_| self.comparisons.asked() == Some(planned))
+    }
+
     /// Asks the user for the metadata of a file.
     fn ask(&mut self, name: &str, content: AskedContent, metadata: ForeignMetadata, refused: Option<String>) {
         let name = name.to_owned();

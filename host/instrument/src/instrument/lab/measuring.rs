@@ -1,8 +1,10 @@
 //! A measurement with the connected device: one request after the other, without blocking. STOP, a fault, a
 //! lost device and another plate end it; its last request is a stop.
 
+use super::measurements::Measurements;
 use super::rig::Rig;
 use super::signal::{Looks, SENSOR_INPUT};
+use super::so_far::Course;
 use super::{LOOK, Lab, MeasureDraft, Reach, is_at_bench};
 use crate::hold::HoldEnd;
 use crate::instrument::drive::Obstacle;
@@ -14,6 +16,7 @@ use crate::measure::{
 };
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{DeviceTable, Severity, Ticket};
+use slipline_model::jobs::compare::CompareJob;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::DriveCheck;
 use slipline_plate::quantity::show_place;
@@ -36,6 +39,7 @@ struct UnderWay {
     planned: f64,
     /// The device's sample at its start.
     began: u64,
+    course: Course,
 }
 
 impl UnderWay {
@@ -68,12 +72,26 @@ impl Live {
         LiveScene {
             draft: &self.draft,
             progress: progress.or(rig.is_awaited().then_some(Progress { share: 0.0, left_s: None })),
+            so_far: self.run.as_ref().map(|run| run.course.scene()),
             is_checking: self.run.as_ref().is_some_and(|run| run.measuring.is_checking()),
             is_drive_known,
             failed: self.failed.as_deref(),
             signal: self.looks.latest,
             is_secret: rig.is_secret(),
             is_secret_measured: rig.truth().is_some_and(|(_, is_measured)| is_measured),
+        }
+    }
+
+    /// What the plate's model is asked for by the measurement under way.
+    pub(super) fn wanted_model(&self) -> Option<&CompareJob> {
+        self.run.as_ref()?.course.wanted()
+    }
+
+    /// Takes the model's answers, if they are there.
+    pub(super) fn take_model(&mut self, measurements: &Measurements) {
+        let Some(run) = &mut self.run else { return };
+        if let Some(answers) = run.course.wanted().and_then(|planned| measurements.model(planned)) {
+            run.course.take(answers);
         }
     }
 
@@ -135,9 +153,18 @@ impl Lab {
                 reach.drive.note(Severity::Info, format!("Measuring at {place}."));
                 let planned = measuring.planned_samples();
                 let began = reach.drive.snapshot().drive.status.map_or(0, |status| status.now);
+                let course = Course::new(&plate, measuring.planned());
                 let measuring = Run::of(measuring);
-                self.live.run =
-                    Some(UnderWay { measuring, plate, place, answers, has_stopped_drive, planned, began });
+                self.live.run = Some(UnderWay {
+                    measuring,
+                    plate,
+                    place,
+                    answers,
+                    has_stopped_drive,
+                    planned,
+                    began,
+                    course,
+                });
             }
         }
     }
@@ -242,6 +269,7 @@ impl Lab {
         if !run.measuring.turn(drive.snapshot(), |request| drive.send(request)) {
             return self.measured(reach);
         }
+        run.course.hear(run.measuring.so_far());
         if was_checking && !run.measuring.is_checking() {
             drive.note(Severity::Info, DriveCheck::On.to_string());
         }

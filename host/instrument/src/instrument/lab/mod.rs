@@ -12,10 +12,12 @@ mod plate_lists;
 mod rig;
 mod selftest;
 mod signal;
+mod so_far;
 mod verification;
 
 pub use calibrate_intent::CalibrateIntent;
 pub use measure_intent::{MeasureDraft, MeasureIntent};
+pub use so_far::SoFar;
 
 use super::desk::Desk;
 use super::drive::{Drive, USUAL_RATE_HZ};
@@ -92,13 +94,18 @@ impl Lab {
         self.update_harmonics(reach);
         let is_heard = self.is_measuring() || self.live.looks.is_looking() || self.hold.needs_sensor();
         self.rig.rest(!is_heard);
-        self.measurements.compare(reach.desk.plate(), reach.attention);
+        match self.live.wanted_model() {
+            Some(planned) => self.measurements.ask_model(planned),
+            None => self.measurements.compare(reach.desk.plate(), reach.attention),
+        }
     }
 
     /// Handles the results of its work in the background.
     pub(crate) fn take_results(&mut self, reach: &mut Reach<'_>) {
         self.calibration.take_result();
-        if let Some(recorded) = self.measurements.take_results() {
+        let recorded = self.measurements.take_results();
+        self.live.take_model(&self.measurements);
+        if let Some(recorded) = recorded {
             self.take_recorded(recorded, reach);
         }
     }

@@ -40,12 +40,12 @@ const LEAST_SPEED_M_PER_S: f64 = 0.01;
 /// Shows the trace in the whole of `ui`.
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsView, intents: &mut Intents) {
     headed(ui, plots, FINGER, |ui, _| plots::pause(ui, scene, FINGER, intents));
-    if scene.finger.is_none() {
+    if scene.finger.is_none() && scene.measure.live.so_far.is_none() {
         return plots::empty(ui, "no finger on the plate");
     }
     let Some(latest) = scene.trace.latest().filter(|_| scene.sounding.is_some()) else {
         let is_paused = scene.sounding.is_some() && !scene.settings.animate;
-        return plots::empty(ui, if is_paused { "paused" } else { plots::at_rest(scene) });
+        return if is_paused { plots::empty(ui, "paused") } else { plots::at_rest(ui, scene) };
     };
     let area = ui.available_rect_before_wrap();
     let lanes = lanes(scene.trace);

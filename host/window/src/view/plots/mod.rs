@@ -4,6 +4,7 @@ pub(crate) mod finger_trace;
 pub(crate) mod frame;
 pub(crate) mod response;
 mod scale;
+mod so_far;
 pub(crate) mod steer;
 pub(crate) mod tabs;
 
@@ -115,14 +116,19 @@ pub(crate) fn pause(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &
 fn nothing(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let is_lost = scene.sounding.is_some() && !scene.waveform.is_true();
     let lost = if scene.snapshot.is_holding() { HELD } else { "not followed: stop and drive again" };
-    empty(ui, if is_lost { lost } else { at_rest(scene) });
+    if is_lost { empty(ui, lost) } else { at_rest(ui, scene) }
 }
 
 /// The text of an empty plot while the device holds levels and changes the drive by itself.
 const HELD: &str = "not known while levels are held";
-/// The text of an empty plot while the setup does not sound.
-pub(crate) fn at_rest(scene: &Scene<'_>) -> &'static str {
-    if scene.measure.live.progress.is_some() { "the plate is being measured" } else { "nothing is driven" }
+/// In the place of a plot while the setup does not sound: the measurement under way, or why nothing is drawn.
+pub(crate) fn at_rest(ui: &mut egui::Ui, scene: &Scene<'_>) {
+    let live = &scene.measure.live;
+    match &live.so_far {
+        Some(so_far) => so_far::show(ui, so_far),
+        None if live.progress.is_some() => empty(ui, "the plate is being measured"),
+        None => empty(ui, "nothing is driven"),
+    }
 }
 
 /// An empty plot, and why it is empty.
