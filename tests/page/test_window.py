@@ -62,6 +62,7 @@ class Window(unittest.TestCase):
 
     def test_there_is_one_stop_to_see_and_it_covers_nothing_else(self):
         page, _ = self.opened()
+        shared.need_names(self, page)
         # 1280 x 720 pixels as they are, and magnified by the browser to 300 %.
         for width, height in [(1280, 720), (427, 240)]:
             page.set_viewport_size({"width": width, "height": height})
