@@ -165,7 +165,7 @@ class Controls(unittest.TestCase):
         kept = shared.settled(page, shared.state(page))
         for name, content, sentence in [
             ("bad.toml", b"nonsense", "bad.toml"),
-            ("bytes.toml", b"\xff\xfe\x00", "it is no text in UTF-8"),
+            ("bytes.toml", b"\xff\xfe\x00", "not UTF-8 text"),
         ]:
             with page.expect_file_chooser() as chooser:
                 shared.choose(page, "File", "Open…")
