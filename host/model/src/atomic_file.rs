@@ -6,6 +6,7 @@
 //!                      +-- removed when writing fails (Drop), and by remove_unfinished when the program ends
 //! ```
 
+use crate::content::NOT_TEXT;
 use slipline_plate::quantity::{Count, Counted, must_be};
 use std::collections::BTreeMap;
 use std::fs::{File, Metadata};
@@ -176,7 +177,7 @@ pub fn read_text(path: &Path, most: usize) -> io::Result<String> {
 /// # Errors
 /// [`ErrorKind::InvalidData`] if they are not UTF-8 text.
 pub fn text(bytes: Vec<u8>) -> io::Result<String> {
-    String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "the file is not UTF-8 text"))
+    String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, NOT_TEXT))
 }
 
 /// Reads a file of at most `most` bytes; a larger file is not read.

@@ -13,6 +13,9 @@ pub enum Content {
     Other,
 }
 
+/// What is said of a file whose bytes are no text, where a text is wanted.
+pub const NOT_TEXT: &str = "the file is not UTF-8 text";
+
 const LOSSY: &str = "it is a recording that is compressed with loss: record as WAV, FLAC or lossless";
 const RECORDING: &str = "it is a recording in a format that is not read: save it as WAV";
 const SPREADSHEET: &str = "it is a spreadsheet: save it as CSV";

@@ -4,7 +4,7 @@ use crate::host::Host;
 use eframe::egui;
 use js_sys::{Array, Uint8Array};
 use slipline_instrument::measured_file;
-use slipline_model::atomic_file;
+use slipline_model::content::NOT_TEXT;
 use slipline_model::setup::file::FILE_BYTES_MAX;
 use slipline_model::texture::PROFILE_FILE_BYTES_MAX;
 use slipline_window::files::{
@@ -82,8 +82,8 @@ fn within(bytes: Result<Vec<u8>, FileError>, most: usize) -> Result<Vec<u8>, Fil
 
 fn opened(name: String, bytes: Result<Vec<u8>, FileError>) -> FileEvent {
     files::opened(name.into(), within(bytes, measured_file::BYTES_MAX), |bytes| {
-        atomic_file::text(within(Ok(bytes), FILE_BYTES_MAX)?)
-            .map_err(|error| FileError::Browser(error.to_string()))
+        String::from_utf8(within(Ok(bytes), FILE_BYTES_MAX)?)
+            .map_err(|_| FileError::Browser(NOT_TEXT.to_owned()))
     })
 }
 
