@@ -55,6 +55,7 @@ impl Stage {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verified {
     /// Whether the codes of all windows are equal.
+    // JSON, true or false: Whether the codes of device and mirror are equal
     pub equal: bool,
     /// The windows, in their order.
     pub windows: Vec<VerifiedWindow>,
@@ -64,14 +65,19 @@ pub struct Verified {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VerifiedWindow {
     /// The kind of change within it.
+    // JSON, text: Kind of change within the window
     pub stage: &'static str,
     /// Its first sample.
+    // JSON: Index of the first sample
     pub at_samples: u64,
     /// Its length.
+    // JSON, count: Number of samples
     pub samples: u32,
     /// CRC-32 of the device's codes in hexadecimal; `None` if the device has none.
+    // JSON, text: CRC-32 of the codes by the device; null if it gave none
     pub device_crc: Option<String>,
     /// CRC-32 of the mirror's codes.
+    // JSON, text: CRC-32 of the codes by the mirror
     pub mirror_crc: String,
     /// Whether they are equal.
     pub equal: bool,

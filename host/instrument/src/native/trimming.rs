@@ -100,8 +100,11 @@ pub struct TrimAnswer<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct TrimmedAnswer {
+    /// JSON, 1: Wave speed over that of the file
     pub wave_speed_share: f64,
+    /// JSON of trim, 1: Lower end of the 95 % interval of the wave speed
     pub low: f64,
+    /// JSON of trim, 1: Upper end of the 95 % interval of the wave speed
     pub high: f64,
     pub chi2_per_n: f64,
 }
@@ -110,6 +113,7 @@ pub struct TrimmedAnswer {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct LaterAnswer {
+    /// JSON: Time since the first measurement
     pub after_s: f64,
     #[serde(flatten)]
     pub now: TrimmedAnswer,

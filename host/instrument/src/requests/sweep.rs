@@ -10,11 +10,17 @@ use slipline_plate::Plate;
 pub struct SweepAnswer<'a> {
     pub plate: &'a str,
     pub sample_rate_hz: f64,
+    /// JSON: Frequency at the beginning of the sweep
     pub first_hz: f64,
+    /// JSON: Frequency at the end of the sweep
     pub last_hz: f64,
+    /// JSON, 1: Levels of the two sweeps, 0 to 1 of full scale
     pub levels: [f64; 2],
+    /// JSON: Time of one sweep
     pub sweep_s: f64,
+    /// JSON: From the beginning of the first sweep to that of the second
     pub apart_s: f64,
+    /// JSON: Time of both sweeps with the silence between them
     pub played_s: f64,
 }
 

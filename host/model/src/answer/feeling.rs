@@ -8,6 +8,7 @@ use slipline_plate::feeling::Feeling;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct FeelingAnswer<'a> {
+    /// JSON, text: default, or the file of the feeling
     pub from: &'a str,
     #[serde(flatten)]
     pub values: FeelingText,

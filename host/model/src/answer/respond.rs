@@ -116,14 +116,20 @@ fn in_two_dimensions(
 pub struct RespondAnswer<'a> {
     pub plate: &'a str,
     pub frequency_hz: f64,
+    /// JSON, true or false: Whether the paper's equation was solved
     pub paper_mode: bool,
     pub position_m: &'a [f64],
     pub amplitude: Vec<Complex>,
+    /// JSON, text: Width by which the wave turns: arc or plain
     pub turning_width: &'static str,
     pub turning_point_m: f64,
+    /// JSON, true or false: Whether there is a peak
     pub peak_present: bool,
+    /// JSON: Place of the peak; null without a peak
     pub peak_position_m: Option<f64>,
+    /// JSON, times the drive: Amplitude of the peak over that of the drive; null without a peak
     pub peak_amplitude: Option<f64>,
+    /// JSON: From the peak to a tenth of its amplitude
     pub edge_width_m: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub two_dimensions: Option<FieldDifferences>,
@@ -135,7 +141,9 @@ pub struct RespondAnswer<'a> {
 pub struct FieldDifferences {
     #[serde(flatten)]
     pub comparison: TwoDimensions,
+    /// JSON, 1: Reflection at the driven end, in two dimensions
     pub reflection: Option<f64>,
+    /// JSON, 1: The same by the one-mode equation
     pub one_mode_reflection: Option<f64>,
 }
 

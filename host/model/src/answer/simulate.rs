@@ -41,17 +41,28 @@ pub struct SimulateAnswer<'a> {
     pub first: Option<SimulatedTone<'a>>,
     pub plate: &'a str,
     pub feeling: FeelingAnswer<'a>,
+    /// JSON, text: Name of the plate on which the waves run
     pub actual_plate: &'a str,
+    /// JSON, true or false: Whether the table's gains were used
     pub has_table_gains: bool,
     pub chord_gain_db: Option<f64>,
+    /// JSON: Samples that were limited at the end of the DAC's range
     pub clipped_samples: u32,
+    /// JSON: Time that was simulated
     pub simulated_s: f64,
+    /// JSON: Time at the end over which the field was measured
     pub measured_s: f64,
+    /// JSON: Beat that the measured time does not resolve; null if there is none
     pub slow_beat_hz: Option<f64>,
+    /// JSON: Amplitude of the peak at level 1
     pub peak_at_full_scale_m: f64,
+    /// JSON: Error of the table on the actual plate; null on its own plate
     pub sensitivity_db: Option<f64>,
+    /// JSON: Where the level is most sensitive
     pub sensitivity_at_m: Option<f64>,
+    /// JSON: As `measured_felt_edge_m`, of all tones together; null where a beat is too slow
     pub measured_felt_edge_of_all_m: Option<f64>,
+    /// JSON: As `measured_felt_edge_by_person_m`, of all tones together
     pub measured_felt_edge_of_all_by_person_m: Option<[Option<f64>; 2]>,
     pub tones: Vec<SimulatedTone<'a>>,
 }
@@ -66,18 +77,26 @@ pub struct SimulatedTone<'a> {
     pub felt_edge_m: Option<f64>,
     pub felt_edge_by_person_m: Option<[Option<f64>; 2]>,
     pub felt: Option<String>,
+    /// JSON: Where the tone's wave turns on the actual plate
     pub actual_turning_point_m: f64,
     pub peak_position_m: Option<f64>,
+    /// JSON: Amplitude of the peak, as predicted
     pub peak_amplitude_m: Option<f64>,
     pub edge_width_m: f64,
     pub peak_present: bool,
+    /// JSON: Turning point by the simulated field
     pub measured_turning_point_m: Option<f64>,
+    /// JSON: Place of the peak, as simulated; null without a peak
     pub measured_peak_position_m: Option<f64>,
+    /// JSON: Amplitude of the peak, as simulated; null without a peak
     pub measured_peak_amplitude_m: Option<f64>,
+    /// JSON: As `felt_edge_m`, by the simulated field
     pub measured_felt_edge_m: Option<f64>,
+    /// JSON: As `felt_edge_by_person_m`, by the simulated field
     pub measured_felt_edge_by_person_m: Option<[Option<f64>; 2]>,
     pub position_m: &'a [f64],
     pub amplitude: Vec<Complex>,
+    /// JSON: Amplitude of the tone at each place, as simulated
     pub measured_amplitude_m: Vec<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub two_dimensions: Option<TwoDimensions>,

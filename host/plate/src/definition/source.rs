@@ -39,10 +39,12 @@ pub enum EndSlope {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, serde::Deserialize)]
 pub struct LeadIn {
     /// Length, metres (0.001 to 10).
+    // JSON: Length
     pub length_m: f64,
     /// Loss factor of the strip with its layer (0 to 2).
     pub loss_factor: f64,
     /// Resistance of a damper at its far end, whose slope is free, N s/m (0 to 1e9; 0 is a free end).
+    // JSON: Resistance at the far end of the lead-in
     pub end_resistance_n_s_per_m: f64,
 }
 

@@ -58,8 +58,10 @@ pub struct BandEnd {
     /// Distance from the peak to a tenth of its amplitude, metres.
     pub edge_width_m: f64,
     /// Number of wavelengths from the driven end to the boundary.
+    // JSON, 1: Wavelengths from the driven end to the turning point
     pub wavelengths: f64,
     /// Loss integral I: the wave arrives with e^-I of its amplitude.
+    // JSON, 1: Integral I of the loss: the wave arrives with exp(-I) of its amplitude
     pub loss_integral: f64,
 }
 
