@@ -6,7 +6,7 @@ use slipline_link::Request;
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::{CalibrateError, Priors, from_ratio};
 use slipline_plate::check::Colour;
-use slipline_tests::bench::{MeasuringBench, RATE_HZ, predicted};
+use slipline_tests::bench::{MeasuringBench, predicted};
 use slipline_tests::truths::{self, Noise};
 
 #[test]
@@ -31,17 +31,6 @@ fn the_responses_match_the_frequency_domain_in_level_and_phase() {
             assert!(error < allowed, "{name} at {} Hz: {error} of {p}", point.frequency_hz);
         }
     }
-}
-
-#[test]
-fn two_hundred_frequencies_of_aluminium_take_three_seconds_of_the_device() {
-    let mut bench = MeasuringBench::near("al-bending", 1, 200);
-    let before = bench.loopback.samples();
-    let place_m = bench.places_m()[0];
-    bench.measure(place_m, |_, _, _, _| ()).unwrap();
-    let seconds = (bench.loopback.samples() - before) as f64 / RATE_HZ;
-    println!("{seconds} s");
-    assert!(seconds < 1.5, "{seconds}");
 }
 
 #[test]
