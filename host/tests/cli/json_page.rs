@@ -11,14 +11,15 @@
 #![cfg(unix)]
 
 use super::served::Served;
-use super::{Sensed, file, signal};
+use super::serving::Serving;
+use super::{Sensed, file};
 use serde_json::Value;
 use slipline::cli::{EXAMPLES, SCHEMA};
 use slipline_link::simulator::Options;
 use slipline_model::study::StudyResult;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
-use std::io::{BufRead as _, BufReader, Write as _};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -81,24 +82,24 @@ fn run(folder: &Path, line: &str) -> Value {
     value
 }
 
+/// The arguments of a line, without --json.
+fn arguments(line: &str) -> Vec<&str> {
+    line.split(' ').filter(|word| *word != "slipline" && *word != "--json").collect()
+}
+
 fn program(folder: &Path, line: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
-    let words = line.split(' ').filter(|word| *word != "slipline" && *word != "--json");
-    command.args(words).arg("--json").current_dir(folder).env("XDG_CONFIG_HOME", folder);
-    command.env_remove("SLIPLINE_PORT").env_remove("SLIPLINE_PLATE");
+    let mut command = super::program(arguments(line));
+    command.arg("--json").current_dir(folder).env("XDG_CONFIG_HOME", folder);
     command
 }
 
-/// The example of `serve`, and what `info` says of the device that it offers.
-fn served(folder: &Path, line: &str) -> [Value; 2] {
-    let mut child = program(folder, line).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
-    let mut first = String::new();
-    BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut first).unwrap();
-    let offered: Value = serde_json::from_str(&first).unwrap();
-    let info = run(folder, &format!("info --port {}", offered["port"].as_str().unwrap()));
-    signal(child.id(), "-TERM");
-    assert_eq!(child.wait().unwrap().code(), Some(0));
-    [offered, info]
+/// The first line of a command that only a signal ends, and what is found meanwhile.
+fn serving<T>(folder: &Path, line: &str, meanwhile: impl FnOnce(&Value) -> T) -> (Value, T) {
+    let serving = Serving::start(folder, &arguments(line));
+    let first = serving.1.clone();
+    let found = meanwhile(&first);
+    assert_eq!(serving.end("-TERM").code(), Some(0));
+    (first, found)
 }
 
 /// What a drive that follows one line says of it.
@@ -110,16 +111,6 @@ fn followed(folder: &Path, line: &str) -> Value {
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
     serde_json::from_str(text.lines().next().unwrap()).unwrap()
-}
-
-/// The first line of a command that only a signal ends.
-fn first_line(folder: &Path, line: &str) -> Value {
-    let mut child = program(folder, line).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
-    let mut first = String::new();
-    BufReader::new(child.stdout.take().unwrap()).read_line(&mut first).unwrap();
-    signal(child.id(), "-TERM");
-    assert_eq!(child.wait().unwrap().code(), Some(0));
-    serde_json::from_str(&first).unwrap()
 }
 
 /// The fields of all commands, in the order of the examples.
@@ -140,16 +131,19 @@ fn fields_of_all() -> Vec<(&'static str, Fields)> {
         for line in *lines {
             match *command {
                 "serve" => {
-                    let [offered, info] = served(&folder, line);
+                    let info =
+                        |it: &Value| run(&folder, &format!("info --port {}", it["port"].as_str().unwrap()));
+                    let (offered, info) = serving(&folder, line, info);
                     add("serve", &offered);
                     add("info", &info);
                 }
-                "watch" => add("watch", &first_line(&folder, line)),
+                "watch" => add("watch", &serving(&folder, line, |_| ()).0),
                 "page" => {
                     std::fs::create_dir_all(folder.join("target/page")).unwrap();
                     std::fs::write(folder.join("target/page/index.html"), "").unwrap();
                     // Another program may have the port of the example.
-                    add("page", &first_line(&folder, &format!("{line} --listen 127.0.0.1:0")));
+                    let line = format!("{line} --listen 127.0.0.1:0");
+                    add("page", &serving(&folder, &line, |_| ()).0);
                 }
                 "calibrate" if line.contains("--plan") => add("calibrate --plan", &run(&folder, line)),
                 command => add(command, &run(&folder, line)),
