@@ -29,7 +29,6 @@ mod holding;
 mod in_use;
 mod kiosk;
 mod known_results;
-mod known_tables;
 mod light_marks;
 mod measure;
 mod measuring;
