@@ -6,9 +6,10 @@ use slipline_plate::Plate;
 
 /// The fields of `slipline sweep --json`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct SweepAnswer<'a> {
+    /// Name of the plate.
     pub plate: &'a str,
+    /// Sample rate.
     pub sample_rate_hz: f64,
     /// JSON: Frequency at the beginning of the sweep
     pub first_hz: f64,

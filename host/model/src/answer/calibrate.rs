@@ -170,8 +170,8 @@ impl CalibrationReport {
 
 /// The fields of `slipline calibrate --json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct CalibrateAnswer<'a> {
+    /// Name of the plate.
     pub plate: &'a str,
     /// JSON, true or false: Whether the calibration is accepted; if not, `reason` says why
     pub accepted: bool,
@@ -179,6 +179,7 @@ pub struct CalibrateAnswer<'a> {
     pub reason: Option<String>,
     /// JSON, text: The way: two places, two places and a check, one sensor, current or touches
     pub by: Option<&'static str>,
+    /// The fitted parameters, each with its interval.
     pub parameters: &'a [Parameter],
     /// JSON, 1: Square of the deviation per answer, in units of its noise
     pub chi2_per_n: Option<f64>,
@@ -192,7 +193,9 @@ pub struct CalibrateAnswer<'a> {
     pub felt_edge_tolerance_m: Option<f64>,
     /// JSON: Half of the 95 % interval of the level; null where no levels were measured
     pub level_tolerance_db: Option<f64>,
+    /// A caution that no measurement reveals and the user must check.
     pub caution: Option<&'a str>,
+    /// How far off the file was before.
     pub before: Option<BeforeAnswer>,
     /// `None` where the caller gives measurements instead of files.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -201,9 +204,10 @@ pub struct CalibrateAnswer<'a> {
 
 /// The fields of a file by another program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct FileReadAnswer {
+    /// The file that was read.
     pub file: String,
+    /// How the file was read.
     #[serde(flatten)]
     pub read: ForeignRead,
 }

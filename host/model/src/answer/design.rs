@@ -25,8 +25,8 @@ pub fn design(
 
 /// The fields of `slipline design --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct DesignAnswer<'a> {
+    /// Name of the plate.
     pub plate: &'a str,
     /// JSON, text: The plate file
     pub toml: String,
@@ -36,7 +36,9 @@ pub struct DesignAnswer<'a> {
     pub half_width_m: f64,
     /// JSON: Half of the width at the narrow end
     pub end_half_width_m: f64,
+    /// The lower end of the band.
     pub lowest: BandEnd,
+    /// The upper end of the band.
     pub highest: BandEnd,
     /// JSON, 1: Loss factor
     pub loss_factor: f64,
@@ -48,14 +50,17 @@ pub struct DesignAnswer<'a> {
     pub single_turning_point_off_centre_to_m: f64,
     /// JSON: Travel without a second width mode, the drive on the centre line
     pub mode_free_travel_m: f64,
+    /// The damper at the driven end.
     pub damper: Damper,
     /// JSON: Tension per width; null for a plate that is not stretched
     pub tension_n_per_m: Option<f64>,
     /// JSON, text: How the parts are mounted
     pub mounting: &'a str,
+    /// The frame.
     pub frame: Option<ChosenFrame>,
     /// JSON, text: A caution that no measurement reveals and the user must check
     pub caution: Option<String>,
+    /// The lights of the designed plate.
     pub check: Option<CheckAnswer<'a>>,
     /// JSON, text: Why the lights are missing; null if they are present
     pub not_checked: Option<String>,

@@ -70,8 +70,8 @@ impl BuiltTable {
 
 /// The fields of `slipline table --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct TableAnswer<'a> {
+    /// Name of the plate.
     pub plate: &'a str,
     /// JSON: Sample rate
     pub sample_rate_hz: f64,
@@ -79,7 +79,9 @@ pub struct TableAnswer<'a> {
     pub span_start_m: f64,
     /// JSON: Farthest turning point of the table
     pub span_end_m: f64,
+    /// The knots.
     pub knots: &'a [Knot],
+    /// Amplitude of the peak at level 1.
     pub peak_at_full_scale_m: f64,
     /// JSON: Largest error of the level between the knots
     pub worst_error_db: f64,
@@ -95,6 +97,7 @@ pub struct TableAnswer<'a> {
     pub knots_without_peak: usize,
     /// JSON, dB: Change of the level per 1 % of wave speed
     pub sensitivity_db_per_percent: f64,
+    /// Where the level is most sensitive.
     pub sensitivity_at_m: f64,
     /// JSON, text: CRC-32 of the table, eight hexadecimal digits
     pub crc: String,
