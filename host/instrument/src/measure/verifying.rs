@@ -6,7 +6,7 @@
 
 use super::dialogue::Dialogue;
 use super::error::MeasureError;
-use super::procedure::Procedure;
+use super::procedure::{Evaluation, Procedure, evaluated};
 use super::setback::ended_by;
 use serde::Serialize;
 use slipline_link::protocol::command::DigestWindow;
@@ -174,10 +174,9 @@ impl Verifying {
 }
 
 impl Procedure for Verifying {
-    type Heard = Vec<VerifiedWindow>;
     type Found = Verified;
 
-    async fn carry_out(self, dialogue: Dialogue) -> Result<Self::Heard, MeasureError> {
+    async fn carry_out(self, dialogue: Dialogue) -> Result<Evaluation<Verified>, MeasureError> {
         dialogue.replay(self.samples(self.window_s + KEPT_BEHIND_S));
         dialogue.stop().await?;
         dialogue.past(dialogue.now() + self.samples(REST_S)).await?;
@@ -187,11 +186,7 @@ impl Procedure for Verifying {
             windows.push(self.window(stage, &dialogue).await?);
         }
         dialogue.stop().await?;
-        Ok(windows)
-    }
-
-    fn found(windows: Self::Heard) -> Result<Verified, MeasureError> {
-        Ok(Verified { equal: windows.iter().all(|window| window.equal), windows })
+        Ok(evaluated(Verified { equal: windows.iter().all(|window| window.equal), windows }))
     }
 }
 
