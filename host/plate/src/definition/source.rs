@@ -74,9 +74,6 @@ impl Source {
     }
 
     pub(crate) fn validate(&self, model: &Model) -> Result<(), PlateError> {
-        for (field, value, range) in self.impedance.fields() {
-            range.check(&format!("drive.{field}"), value)?;
-        }
         match model {
             Model::BendingSupported(_) | Model::BendingClamped(_) if self.slope.is_none() => {
                 Err(PlateError::Missing {
@@ -84,9 +81,7 @@ impl Source {
                     needed: "a plate in bending needs it: \"free\" or \"held\"".to_owned(),
                 })
             }
-            Model::BendingSupported(_) | Model::BendingClamped(_) => {
-                self.lead_in.map_or(Ok(()), |lead_in| lead_in.validate())
-            }
+            Model::BendingSupported(_) | Model::BendingClamped(_) => Ok(()),
             Model::Membrane { .. } | Model::ShearHorizontal { .. } if self.slope.is_some() => {
                 Err(PlateError::unexpected("drive.slope", BENDING_ONLY))
             }
