@@ -12,6 +12,9 @@ use std::task::{Context, Poll, Waker};
 /// The evaluation of a device's outcomes. It may take seconds; the device is silent by then.
 pub(crate) type Evaluation<T> = Box<dyn FnOnce() -> Result<T, MeasureError>>;
 
+/// A procedure that is carried out.
+type Course<T> = Pin<Box<dyn Future<Output = Result<Evaluation<T>, MeasureError>>>>;
+
 /// The evaluation of what is known already.
 pub(crate) fn evaluated<T: 'static>(found: T) -> Evaluation<T> {
     Box::new(|| Ok(found))
@@ -65,7 +68,7 @@ enum Stage {
 /// ```
 pub struct Run<P: Procedure> {
     dialogue: Dialogue,
-    course: Pin<Box<dyn Future<Output = Result<Evaluation<P::Found>, MeasureError>>>>,
+    course: Course<P::Found>,
     stage: Stage,
     is_asked: bool,
     awaited: Option<Ticket>,

@@ -6,6 +6,9 @@ use slipline_link::{Severity, Ticket};
 use slipline_plate::Plate;
 use std::sync::Arc;
 
+/// The result of a procedure, and its plate.
+type Ended<T> = (Result<T, MeasureError>, Arc<Plate>);
+
 /// A procedure with the plate that was on the screen at its beginning, or none.
 pub(super) struct UnderWay<P: Procedure>(Option<(Run<P>, Arc<Plate>)>);
 
@@ -25,10 +28,7 @@ impl<P: Procedure> UnderWay<P> {
     }
 
     /// Passes the device's outcomes on and sends the next request. Returns the result of a procedure that has ended, and its plate.
-    pub(super) fn turn(
-        &mut self,
-        reach: &mut Reach<'_>,
-    ) -> Option<(Result<P::Found, MeasureError>, Arc<Plate>)> {
+    pub(super) fn turn(&mut self, reach: &mut Reach<'_>) -> Option<Ended<P::Found>> {
         let (run, plate) = self.0.as_mut()?;
         if !Arc::ptr_eq(plate, reach.desk.plate()) {
             run.cancel();
