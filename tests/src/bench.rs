@@ -119,11 +119,22 @@ impl MeasuringBench {
         place_m: f64,
         change: impl FnMut(&mut Loopback, &mut Run<Measuring>, usize, Option<&Request>),
     ) -> Result<Measured, MeasureError> {
+        let measuring = self.measuring(place_m)?;
+        self.run(measuring, change)
+    }
+
+    /// The measurement of [`Self::measure`].
+    ///
+    /// # Errors
+    /// Why there is none.
+    ///
+    /// # Panics
+    /// If the device has no inputs.
+    pub fn measuring(&self, place_m: f64) -> Result<Measuring, MeasureError> {
         let inputs = self.inputs();
         let plan = Plan::new(&self.nominal, &self.wanted, RATE_HZ, inputs.lock_ins.into())?;
         let sensor = Sensor { place_m, kind: SensorKind::Displacement, input: 0, body: None };
-        let measuring = Measuring::new(plan, self.table.clone(), sensor, &inputs)?;
-        self.run(measuring, change)
+        Measuring::new(plan, self.table.clone(), sensor, &inputs)
     }
 
     /// Runs a procedure to its end; `change` may do something at each step.
@@ -159,6 +170,36 @@ impl MeasuringBench {
             }
         }
         procedure.finish()
+    }
+
+    /// Runs a procedure twice and ends it where `is_due` says so, by a cancellation and by an emergency stop: each time it says
+    /// why, and leaves the plate still and the device with its table.
+    ///
+    /// # Panics
+    /// If something goes wrong.
+    pub fn ends_early<P: Procedure>(
+        &mut self,
+        make: impl Fn(&Self) -> P,
+        mut is_due: impl FnMut(usize, Option<&Request>) -> bool,
+    ) {
+        for is_cancelled in [true, false] {
+            let procedure = make(self);
+            let found = self.run(procedure, |loopback, run, step, asked| {
+                let is_due = is_due(step, asked);
+                if is_due && is_cancelled {
+                    run.cancel();
+                } else if is_due {
+                    loopback.hand_over(Request::EmergencyStop);
+                }
+            });
+            let error = found.err().expect("it was ended");
+            let is_stop = matches!(error, MeasureError::Fault(_) | MeasureError::Stopped);
+            assert!(if is_cancelled { error == MeasureError::Cancelled } else { is_stop }, "{error:?}");
+            let mut codes = Vec::new();
+            self.loopback.pass(20_000, |block| codes = block.to_vec());
+            assert!(codes.iter().all(|code| *code == codes[0]), "something sounds");
+            assert_eq!(self.loopback.view().table.confirmed.as_deref(), Some(&*self.table));
+        }
     }
 
     /// The same sensor at both places, one after the other.

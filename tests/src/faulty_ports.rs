@@ -8,6 +8,7 @@ use slipline_link::native::Watch;
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::transport::{Opener, Transport, Waker, read_received};
 use slipline_link::{LinkError, Port, PortInfo};
+use slipline_protocol::event::Identity;
 use slipline_protocol::version::Minor;
 use slipline_protocol::{Command, Decoder, Event, Header};
 
@@ -98,9 +99,15 @@ impl FaultyPorts {
 /// The simulated device, claiming to be a real one: it must not be armed unasked.
 #[must_use]
 pub fn as_real(event: Event) -> Event {
+    identified(event, |_| ())
+}
+
+/// The same, with a change of the identity that it states.
+pub fn identified(event: Event, change: impl FnOnce(&mut Identity)) -> Event {
     match event {
         Event::Hello(mut identity) => {
             identity.simulated = false;
+            change(&mut identity);
             Event::Hello(identity)
         }
         event => event,

@@ -1,6 +1,6 @@
 //! The tests that a document names, and the tests that exist.
 
-use crate::source_tree::root;
+use crate::source_tree::{files, root};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -34,23 +34,9 @@ pub fn tests_in(path: &Path, text: &str) -> BTreeSet<String> {
 /// If the tree cannot be read.
 #[must_use]
 pub fn all_tests() -> BTreeSet<String> {
-    fn walk(folder: &Path, found: &mut BTreeSet<String>) {
-        for entry in fs::read_dir(folder).expect("a folder of sources") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                if path.file_name().is_none_or(|name| name != "target" && name != "__pycache__") {
-                    walk(&path, found);
-                }
-            } else if path.extension().is_some_and(|extension| extension == "rs" || extension == "py") {
-                found.extend(tests_in(&path, &fs::read_to_string(&path).expect("a source is text")));
-            }
-        }
-    }
-    let mut found = BTreeSet::new();
-    for folder in ["shared", "firmware", "host", "tests"] {
-        walk(&root().join(folder), &mut found);
-    }
-    found
+    let folders = ["shared", "firmware", "host", "tests"].iter();
+    let all = folders.flat_map(|folder| files(&root().join(folder), &[".rs", ".py"]));
+    all.flat_map(|path| tests_in(&path, &fs::read_to_string(&path).expect("a source is text"))).collect()
 }
 
 /// The rows of a page's tables that have `columns` columns, without head and rule.

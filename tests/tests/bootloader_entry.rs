@@ -3,7 +3,7 @@
 use slipline_link::{LinkState, Outcome, Refusal, Request};
 use slipline_protocol::event::ResetCause;
 use slipline_protocol::{Command, Event};
-use slipline_tests::faulty_ports::{Rewrite, as_real, board};
+use slipline_tests::faulty_ports::{Rewrite, as_real, board, identified};
 use slipline_tests::link_rig::LinkRig;
 
 /// How long a device that does not come back is looked for, in ms, and a little more.
@@ -11,13 +11,7 @@ const LOOKED_FOR_MS: u64 = 3_100;
 
 /// The board whose ROM may miss the crystal.
 fn as_f407(event: Event) -> Event {
-    match as_real(event) {
-        Event::Hello(mut identity) => {
-            identity.board = "STM32F4DISCOVERY".try_into().expect("fits");
-            Event::Hello(identity)
-        }
-        event => event,
-    }
+    identified(event, |identity| identity.board = "STM32F4DISCOVERY".try_into().expect("fits"))
 }
 
 /// A ROM that restarts the program `misses` times before DFU appears; without DFU's own device nothing is listed then. Returns how

@@ -9,6 +9,7 @@ use slipline_protocol::{Command, Refusal};
 use slipline_tests::client::Client;
 use slipline_tests::measure::{envelope, largest_step};
 use slipline_tests::rig::{BLOCK, MID, Rig, Table, drive};
+use slipline_tests::source_tree::{files, root};
 
 /// Sounds one tone of 20 kHz at full scale.
 fn driving() -> Rig {
@@ -65,8 +66,7 @@ proptest! {
 fn the_dead_mans_times_match_the_safety_page() {
     // the other tests follow the constants, whatever they are.
     assert_eq!((KEEP_ALIVE_PERIOD_MS, DEAD_MAN_MS, DEAD_MAN_RAMP_MS), (200, 1000, 50));
-    let page =
-        std::fs::read_to_string(slipline_tests::source_tree::root().join("firmware/SAFETY.md")).unwrap();
+    let page = std::fs::read_to_string(root().join("firmware/SAFETY.md")).unwrap();
     assert!(page.contains("| 1.0 s and a ramp of 50 ms |"));
 }
 
@@ -158,22 +158,12 @@ fn a_host_that_wakes_after_an_hour_connects_cleanly() {
 #[test]
 fn no_safety_depends_on_what_the_port_says_about_a_connection() {
     // the application does not even have the words.
-    let sources = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/app/src");
-    let mut read = 0;
-    let mut folders = vec![sources];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else {
-                let text = std::fs::read_to_string(&path).unwrap().to_lowercase();
-                for word in ["dtr", "wait_connection", "vbus", "is_connected"] {
-                    assert!(!text.contains(word), "{word} in {}", path.display());
-                }
-                read += 1;
-            }
+    let sources = files(&root().join("firmware/app/src"), &[".rs"]);
+    assert!(sources.len() > 20);
+    for path in sources {
+        let text = std::fs::read_to_string(&path).unwrap().to_lowercase();
+        for word in ["dtr", "wait_connection", "vbus", "is_connected"] {
+            assert!(!text.contains(word), "{word} in {}", path.display());
         }
     }
-    assert!(read > 20);
 }

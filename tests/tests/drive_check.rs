@@ -1,12 +1,10 @@
 //! "Is it on?" through the protocol, the device application and the rig: the report of each state of a drive, before anything
 //! loud sounds.
 
-use slipline_instrument::measure::{
-    AfterCheck, CheckedDrive, DriveChecking, KnownDrive, MeasureError, Measuring, Plan, Sensor,
-};
+use slipline_instrument::measure::{AfterCheck, CheckedDrive, DriveChecking, KnownDrive, MeasureError};
 use slipline_instrument::rig::RigFault;
 use slipline_link::{Request, Sounding};
-use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad, SensorKind};
+use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad};
 use slipline_tests::bench::{MeasuringBench, RATE_HZ};
 
 fn checking(bench: &MeasuringBench, drive: KnownDrive) -> DriveChecking {
@@ -80,36 +78,17 @@ fn a_drive_of_the_wrong_kind_and_one_that_is_too_quiet_are_reported() {
 fn a_check_that_is_given_up_or_stopped_says_why_and_ends_in_silence() {
     let mut bench = MeasuringBench::near("al-bending", 4, 32);
     let known = bench.rig.known_drive();
-    let checking = checking(&bench, known);
-    let given_up = bench.run(checking, |_, checking, step, _| {
-        if step == 200 {
-            checking.cancel();
-        }
-    });
-    assert_eq!(given_up, Err(MeasureError::Cancelled));
-    let checking = self::checking(&bench, known);
-    let stopped = bench.run(checking, |loopback, _, step, _| {
-        if step == 200 {
-            loopback.hand_over(Request::EmergencyStop);
-        }
-    });
-    assert!(matches!(stopped, Err(MeasureError::Fault(_) | MeasureError::Stopped)), "{stopped:?}");
-    let mut codes = Vec::new();
-    bench.loopback.pass(20_000, |block| codes = block.to_vec());
-    assert!(codes.iter().all(|code| *code == codes[0]), "something sounds");
+    bench.ends_early(|bench| checking(bench, known), |step, _| step == 200);
 }
 
 #[test]
 fn a_measurement_begins_only_after_its_drive_was_found_on() {
     let mut bench = MeasuringBench::near("al-bending", 4, 32);
     let known = bench.rig.known_drive();
-    let inputs = bench.inputs();
-    let sensor =
-        Sensor { place_m: bench.places_m()[0], kind: SensorKind::Displacement, input: 0, body: None };
+    let place_m = bench.places_m()[0];
     for (fault, is_on) in [(None, true), (Some(RigFault::OpenMotor), false)] {
         bench.hand.set_fault(fault).unwrap();
-        let plan = Plan::new(&bench.nominal, &bench.wanted, RATE_HZ, inputs.lock_ins.into()).unwrap();
-        let measuring = Measuring::new(plan, bench.table.clone(), sensor, &inputs).unwrap();
+        let measuring = bench.measuring(place_m).unwrap();
         let after = AfterCheck::new(Some(checking(&bench, known)), measuring);
         let mut combs = [0, 0];
         let mut share = 0.0;

@@ -41,14 +41,6 @@ impl Finger {
 }
 
 impl SimulatedInputs for Finger {
-    fn inputs(&self) -> usize {
-        1
-    }
-
-    fn delay_ns(&self) -> i32 {
-        0
-    }
-
     fn sample(&mut self, codes: &[u16; BLOCK as usize], _: bool, sensed: &mut [[u16; BLOCK as usize]; 2]) {
         let touch = *self.0.lock().unwrap();
         for (number, (code, sensor)) in codes.iter().zip(&mut sensed[0]).enumerate() {

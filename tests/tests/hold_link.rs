@@ -17,14 +17,6 @@ use slipline_tests::rig::{BLOCK, MID, RATE_HZ};
 struct Finger(Arc<AtomicBool>);
 
 impl SimulatedInputs for Finger {
-    fn inputs(&self) -> usize {
-        1
-    }
-
-    fn delay_ns(&self) -> i32 {
-        0
-    }
-
     fn sample(&mut self, codes: &[u16; BLOCK as usize], _: bool, sensed: &mut [[u16; BLOCK as usize]; 2]) {
         let parts = if self.0.load(Ordering::Relaxed) { 4 } else { 2 };
         sensed[0] = codes.map(|code| (MID * (parts - 1) + code) / parts);

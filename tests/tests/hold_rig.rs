@@ -46,14 +46,6 @@ struct Touched {
 type Codes = [u16; BLOCK as usize];
 
 impl SimulatedInputs for Touched {
-    fn inputs(&self) -> usize {
-        1
-    }
-
-    fn delay_ns(&self) -> i32 {
-        0
-    }
-
     fn sample(&mut self, codes: &Codes, muted: bool, sensed: &mut [Codes; 2]) {
         let is_touched = self.person.touches.load(Ordering::Relaxed);
         match &mut self.load {

@@ -25,14 +25,6 @@ type Note = ([u16; BLOCK as usize], bool);
 struct Notes(Arc<Mutex<Vec<Note>>>);
 
 impl SimulatedInputs for Notes {
-    fn inputs(&self) -> usize {
-        1
-    }
-
-    fn delay_ns(&self) -> i32 {
-        0
-    }
-
     fn sample(&mut self, codes: &[u16; BLOCK as usize], muted: bool, _: &mut [[u16; BLOCK as usize]; 2]) {
         self.0.lock().unwrap().push((*codes, muted));
     }

@@ -24,10 +24,6 @@ impl SimulatedInputs for Resonance {
         2
     }
 
-    fn delay_ns(&self) -> i32 {
-        0
-    }
-
     fn sample(&mut self, codes: &[u16; 128], muted: bool, sensed: &mut [[u16; 128]; 2]) {
         let mut state = self.0.lock().unwrap();
         for (n, code) in codes.iter().enumerate() {

@@ -1,28 +1,18 @@
 //! Devices of another major version, R-23. Those of another minor stand in minor_versions.rs and transcripts.rs.
 
 use slipline_link::{LinkState, Outcome, Port, Refusal, Request};
-use slipline_protocol::version::{Compatibility, Version};
-use slipline_protocol::{Command, Event};
-use slipline_tests::faulty_ports::{Rewrite, as_real};
+use slipline_protocol::Command;
+use slipline_protocol::version::Compatibility;
+use slipline_tests::faulty_ports::{Rewrite, identified};
 use slipline_tests::link_rig::{LinkRig, drive};
-
-fn reversion(event: Event, change: fn(&mut Version)) -> Event {
-    match as_real(event) {
-        Event::Hello(mut identity) => {
-            change(&mut identity.version);
-            Event::Hello(identity)
-        }
-        event => event,
-    }
-}
 
 #[test]
 fn a_device_of_another_version_can_be_identified_and_stopped_and_no_more() {
     //
     let foreign: [(Rewrite, Compatibility); 3] = [
-        (|event| reversion(event, |v| v.major += 1), Compatibility::UpdateHost),
-        (|event| reversion(event, |v| v.major = 0), Compatibility::FlashDevice),
-        (|event| reversion(event, |v| v.schema[0] ^= 1), Compatibility::FlashDevice),
+        (|event| identified(event, |it| it.version.major += 1), Compatibility::UpdateHost),
+        (|event| identified(event, |it| it.version.major = 0), Compatibility::FlashDevice),
+        (|event| identified(event, |it| it.version.schema[0] ^= 1), Compatibility::FlashDevice),
     ];
     for (rewrite, want) in foreign {
         let mut rig = LinkRig::new();

@@ -7,19 +7,13 @@ use slipline_protocol::event::{Event, State};
 use slipline_protocol::version::{Compatibility, MINOR};
 use slipline_tests::client::Client;
 use slipline_tests::commands::every_command;
-use slipline_tests::faulty_ports::{Rewrite, as_real};
+use slipline_tests::faulty_ports::{Rewrite, as_real, identified};
 use slipline_tests::link_rig::{LinkRig, drive};
 use slipline_tests::rig::{self, Rig, Table};
 
 /// The hello's answer, with this minor in the place of the device's.
 fn of_minor(event: Event, minor: u8) -> Event {
-    match as_real(event) {
-        Event::Hello(mut identity) => {
-            identity.version.minor = minor;
-            Event::Hello(identity)
-        }
-        event => event,
-    }
+    identified(event, |identity| identity.version.minor = minor)
 }
 
 /// This build's link with a device that names another minor: it uploads a table, arms, drives and stops.

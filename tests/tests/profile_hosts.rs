@@ -454,14 +454,6 @@ proptest! {
 struct Slipped(f64);
 
 impl SimulatedInputs for Slipped {
-    fn inputs(&self) -> usize {
-        1
-    }
-
-    fn delay_ns(&self) -> i32 {
-        0
-    }
-
     fn sample(&mut self, codes: &[u16; BLOCK as usize], _: bool, sensed: &mut [[u16; BLOCK as usize]; 2]) {
         for (code, sensor) in codes.iter().zip(&mut sensed[0]) {
             let swing = f64::from(*code) - f64::from(MID);

@@ -7,7 +7,7 @@ use slipline_link::connection::SEEK_PERIOD;
 use slipline_link::{LinkError, LinkState, Outcome, Port, PortInfo, Request};
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::{Command, Event, Refusal};
-use slipline_tests::faulty_ports::{Rewrite, as_real, board};
+use slipline_tests::faulty_ports::{Rewrite, as_real, board, identified};
 use slipline_tests::link_rig::{LOST_AFTER_MS, LinkRig, drive};
 
 #[test]
@@ -264,13 +264,7 @@ fn a_port_with_another_board_is_passed_over_for_the_next_one() {
     rig.ports().unplug();
     // Another board answers at the first port of its kind...
     rig.ports().listed = vec![nameless("B"), nameless("C")];
-    rig.ports().rewrite = |event| match as_real(event) {
-        Event::Hello(mut identity) => {
-            identity.unit = *b"another-unit";
-            Event::Hello(identity)
-        }
-        event => event,
-    };
+    rig.ports().rewrite = |event| identified(event, |identity| identity.unit = *b"another-unit");
     rig.pass_ms(100);
     assert!(matches!(rig.view().link.state, LinkState::Reconnecting(_)));
     // ...and the one that was lost at the second.

@@ -1,23 +1,8 @@
 //! A shell of the instrument (the window, the command line) hands over what its user does, and shows what the instrument
 //! reports: it names no request to the link, and keeps no bag of the state of what runs.
 
-use slipline_tests::source_tree::root;
+use slipline_tests::source_tree::{files, root};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
-
-/// The Rust sources under a folder.
-fn sources(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).expect("a folder of sources") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            found.extend(sources(&path));
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            found.push(path);
-        }
-    }
-    found
-}
 
 /// The lines of code that name this type of the link or the instrument: by a path, or in a `use`.
 fn naming(text: &str, krate: &str, name: &str) -> Vec<String> {
@@ -36,7 +21,7 @@ fn naming(text: &str, krate: &str, name: &str) -> Vec<String> {
 
 #[test]
 fn the_window_names_no_request_and_no_procedure() {
-    let sources = sources(&root().join("host/window/src"));
+    let sources = files(&root().join("host/window/src"), &[".rs"]);
     assert!(sources.len() > 50, "{}", sources.len());
     for path in sources {
         let text = std::fs::read_to_string(&path).expect("a source");
@@ -49,7 +34,7 @@ fn the_window_names_no_request_and_no_procedure() {
 
 #[test]
 fn the_command_line_names_no_request_no_worker_and_no_outcome() {
-    let sources = sources(&root().join("host/src/cli"));
+    let sources = files(&root().join("host/src/cli"), &[".rs"]);
     assert!(sources.len() > 30, "{}", sources.len());
     for path in sources {
         let text = std::fs::read_to_string(&path).expect("a source");
@@ -121,7 +106,7 @@ fn what_a_file_takes_from_above_is_found() {
 fn modules_of_the_command_line() -> BTreeMap<String, BTreeSet<String>> {
     let folder = root().join("host/src/cli");
     let mut modules: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for path in sources(&folder).into_iter().filter(|path| *path != folder.join("mod.rs")) {
+    for path in files(&folder, &[".rs"]).into_iter().filter(|path| *path != folder.join("mod.rs")) {
         let inside = path.strip_prefix(&folder).expect("a file of the command line").with_extension("");
         let levels = inside.components().count();
         let module = inside.iter().next().expect("a name").to_string_lossy().into_owned();

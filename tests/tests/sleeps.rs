@@ -1,10 +1,10 @@
 //! No verdict of a test depends on how fast the computer is: each sleep of test code polls with a limit that only a hang
 //! reaches, or stands here with its reason.
 
-use slipline_tests::source_tree::root;
+use slipline_tests::source_tree::{files, relative, root};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// What a sleep is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -171,26 +171,11 @@ fn sleeps(path: &str, text: &str) -> Vec<usize> {
     found
 }
 
-fn walk(folder: &Path, found: &mut BTreeMap<String, String>) {
-    for entry in fs::read_dir(folder).expect("a folder of sources") {
-        let path = entry.expect("an entry").path();
-        let name = path.file_name().expect("a name").to_string_lossy().into_owned();
-        if path.is_dir() {
-            if !["target", "__pycache__"].contains(&name.as_str()) {
-                walk(&path, found);
-            }
-        } else if name.ends_with(".rs") || name.ends_with(".py") {
-            let relative =
-                path.strip_prefix(root()).expect("it lies in the tree").to_string_lossy().into_owned();
-            found.insert(relative.replace('\\', "/"), fs::read_to_string(&path).expect("a source is text"));
-        }
-    }
-}
-
 #[test]
 fn each_sleep_of_a_test_polls_with_a_limit_or_has_its_reason() {
-    let mut sources = BTreeMap::new();
-    FOLDERS.iter().for_each(|folder| walk(&root().join(folder), &mut sources));
+    let all = FOLDERS.iter().flat_map(|folder| files(&root().join(folder), &[".rs", ".py"]));
+    let text = |path: PathBuf| (relative(&path), fs::read_to_string(&path).expect("a source is text"));
+    let mut sources: BTreeMap<String, String> = all.map(text).collect();
     // This file names what it looks for.
     sources.remove("tests/tests/sleeps.rs");
     let listed: BTreeMap<&str, &[Sleep]> = SLEEPS.iter().copied().collect();

@@ -12,7 +12,7 @@ use slipline_protocol::refusal::{Busy, Field};
 use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::client::Client;
-use slipline_tests::faulty_ports::as_real;
+use slipline_tests::faulty_ports::identified;
 use slipline_tests::link_rig::LinkRig;
 use slipline_tests::rig::{RATE_HZ, Rig, Table, drive};
 
@@ -276,13 +276,7 @@ fn after_a_reset_the_limit_is_set_again_although_the_device_has_kept_the_table()
 #[test]
 fn the_user_learns_of_a_device_of_1_0_which_is_driven_without_a_limit() {
     let rig = LinkRig::new();
-    rig.ports().rewrite = |event| match as_real(event) {
-        Event::Hello(mut identity) => {
-            identity.version.minor = 0;
-            Event::Hello(identity)
-        }
-        event => event,
-    };
+    rig.ports().rewrite = |event| identified(event, |identity| identity.version.minor = 0);
     let mut rig = rig.connect();
     rig.done(Request::Upload(limited()), 200);
     assert!(!rig.view().can_limit_travel());

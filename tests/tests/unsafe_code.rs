@@ -1,10 +1,9 @@
 //! Unsafe code: the table of firmware/UNSAFE.md names every place, and crates without any forbid it.
 
 use slipline_tests::named_tests::{all_tests, quoted, rows};
-use slipline_tests::source_tree::{PRODUCT, root};
+use slipline_tests::source_tree::{PRODUCT, files, relative, root};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
 
 /// How often `unsafe` stands where: by file and item.
 type Places = BTreeMap<(String, String), usize>;
@@ -54,29 +53,16 @@ fn places(text: &str) -> BTreeMap<String, usize> {
     found
 }
 
-/// Every Rust file of a folder, tests and benchmarks too.
-fn sources(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
-    for entry in fs::read_dir(folder).expect("a folder of sources") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            if path.file_name().is_none_or(|name| name != "target") {
-                sources(&path, found);
-            }
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            found.push(path);
-        }
-    }
-}
-
 /// What the sources of shared, firmware, host and tests hold. This file is about the word and left out.
 fn in_the_sources() -> Places {
-    let mut files = Vec::new();
-    for folder in ["shared", "firmware", "host", "tests"] {
-        sources(&root().join(folder), &mut files);
-    }
     let mut found = Places::new();
-    for file in files.iter().filter(|file| !file.ends_with("tests/tests/unsafe_code.rs")) {
-        let name = file.strip_prefix(root()).expect("in the tree").to_string_lossy().replace('\\', "/");
+    for file in
+        ["shared", "firmware", "host", "tests"].iter().flat_map(|it| files(&root().join(it), &[".rs"]))
+    {
+        let name = relative(&file);
+        if name == "tests/tests/unsafe_code.rs" {
+            continue;
+        }
         for (item, times) in places(&fs::read_to_string(file).expect("a source is text")) {
             found.insert((name.clone(), item), times);
         }

@@ -3,7 +3,7 @@
 //!
 //! Pages, comments, texts and names of tests are plain English: subject, verb, object, and a sentence says who acts.
 
-use slipline_tests::source_tree::{PRODUCT, root, rust_files};
+use slipline_tests::source_tree::{PRODUCT, files, relative, root, rust_files};
 use std::path::{Path, PathBuf};
 
 /// The words, and the files that may have them in a text.
@@ -75,7 +75,7 @@ fn only_the_home_of_refusals_words_them() {
     for folder in PRODUCT {
         for path in rust_files(&root().join(folder)) {
             let source = std::fs::read_to_string(&path).expect("a source");
-            let file = path.strip_prefix(root()).expect("below").to_string_lossy().replace('\\', "/");
+            let file = relative(&path);
             let strays = strays(&file, &source);
             assert!(strays.is_empty(), "{file}: {strays:?}: use `slipline_plate::quantity::must_be`");
             let has_words =
@@ -139,24 +139,10 @@ const RIDDLES: [(&str, &str); 26] = [
 /// The files with prose below the workspace's folders, and its first two pages. The changelog describes the past, and
 /// this file has the list.
 fn files_with_prose() -> Vec<PathBuf> {
-    fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
-        for entry in std::fs::read_dir(folder).expect("a folder of sources") {
-            let path = entry.expect("an entry").path();
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            if path.is_dir() {
-                if !["target", ".venv", "__pycache__", "node_modules"].contains(&name.as_str()) {
-                    walk(&path, found);
-                }
-            } else if [".rs", ".md", ".py"].iter().any(|ending| name.ends_with(ending))
-                && name != "wording.rs"
-            {
-                found.push(path);
-            }
-        }
-    }
     let mut found = ["README.md", "CONTRIBUTING.md"].map(|page| root().join(page)).to_vec();
     for folder in ["shared", "firmware", "host", "tests"] {
-        walk(&root().join(folder), &mut found);
+        let files = files(&root().join(folder), &[".rs", ".md", ".py"]).into_iter();
+        found.extend(files.filter(|file| !file.ends_with("wording.rs")));
     }
     found
 }
@@ -242,7 +228,7 @@ fn no_page_comment_text_or_test_name_is_a_riddle() {
     let mut wrong = Vec::new();
     for path in files {
         let source = std::fs::read_to_string(&path).expect("a source is text");
-        let file = path.strip_prefix(root()).expect("below").display().to_string();
+        let file = relative(&path);
         wrong.extend(riddles(&path, &source).into_iter().map(|riddle| format!("{file}: {riddle}")));
     }
     assert!(wrong.is_empty(), "{} riddles:\n{}", wrong.len(), wrong.join("\n"));

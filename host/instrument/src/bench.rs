@@ -206,10 +206,6 @@ mod tests {
             2
         }
 
-        fn delay_ns(&self) -> i32 {
-            0
-        }
-
         fn sample(&mut self, codes: &[u16; 128], _muted: bool, sensed: &mut [[u16; 128]; 2]) {
             self.0 += 1;
             *sensed = [[self.0; 128], *codes];

@@ -11,84 +11,120 @@ use std::fmt::Debug;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DeviceInfo {
     /// The port, as it is written.
+    // JSON, text: The port, as --port takes it
     pub port: String,
     /// Whether firmware and program are compatible, as a sentence.
+    // JSON, text: How the versions of device and program agree
     pub compatibility: &'static str,
     /// The board.
+    // JSON, text: The board
     pub board: Option<String>,
     /// The firmware's version: `1.2.3`.
+    // JSON, text: Version of the firmware
     pub firmware: Option<String>,
     /// The firmware's build.
+    // JSON, text: The firmware's build
     pub build: Option<String>,
     /// The protocol's version: `1.3`.
+    // JSON, text: Version of the device's protocol
     pub protocol: Option<String>,
     /// The chip's unique id in hexadecimal.
+    // JSON of info, text: Number of this device
     pub unit: Option<String>,
     /// Whether the device is simulated.
+    // JSON, true or false: Whether the device is simulated
     pub simulated: Option<bool>,
     /// Samples of the DAC per second.
     pub sample_rate_hz: Option<u32>,
     /// Samples in a block.
+    // JSON: Samples of a block
     pub block_samples: Option<u16>,
     /// Bits of the DAC.
+    // JSON, count: Bits of the DAC
     pub dac_bits: Option<u8>,
     /// Tones at once.
+    // JSON, count: Most tones at once
     pub max_tones: Option<u8>,
     /// Knots of a table.
+    // JSON, count: Most knots of a table
     pub max_knots: Option<u16>,
     /// Time without a sign of the computer after which the device stops.
+    // JSON: Silence of the host after which the device stops
     pub dead_man_s: Option<f64>,
     /// Why it was reset last.
+    // JSON, text: Cause of the device's last reset
     pub reset: Option<String>,
     /// What is stored in its flash.
+    // JSON, text: Content of the device's flash
     pub stored: Option<String>,
     /// Erasures of the flash until now.
+    // JSON, count: Erasures of the flash so far
     pub flash_erasures: Option<u32>,
     /// Erasures that its data sheet guarantees.
+    // JSON, count: Erasures that its maker promises
     pub flash_erasures_promised: Option<u32>,
     /// Erasures of the flash of the actuator's profile until now.
+    // JSON, count: Erasures of the flash of the actuator's profile so far
     pub profile_erasures: Option<u32>,
     /// Erasures of it that its data sheet guarantees.
+    // JSON, count: Erasures of it that its maker promises
     pub profile_erasures_promised: Option<u32>,
     /// Tables that may be stored or forgotten now.
+    // JSON, count: Tables that may be stored or forgotten in flash now
     pub stores_left: Option<u8>,
     /// Whether the brown-out level is set.
+    // JSON, true or false: Whether the brown-out level is set; null for an older device
     pub brown_out_guarded: Option<bool>,
     /// The reference voltage VREF+; `None` where it is not measured.
+    // JSON: Reference voltage of DAC and ADC; null where it is not measured
     pub reference_v: Option<f64>,
     /// The share of full scale within which the DAC's output is linear.
+    // JSON, 1: Share of full scale within which the DAC's output is linear; null where it is not reported
     pub linear_share: Option<f64>,
     /// The processor's clock.
+    // JSON: Clock of the device's processor; null where it is not reported
     pub core_hz: Option<u32>,
     /// The resistor at the mute pin.
+    // JSON, text: State of the mute resistor
     pub mute_resistor: Option<String>,
     /// The user button.
+    // JSON, text: State of the user button
     pub user_button: Option<String>,
     /// The stop input.
+    // JSON, text: State of the stop input
     pub stop_input: Option<String>,
     /// The name of the actuator's profile; the inner `None` where the board keeps no profile.
+    // JSON, text: Name of the actuator's profile; null if the device keeps none
     pub profile_name: Option<Option<String>>,
     /// Its inputs.
     pub inputs: Option<InputsInfo>,
     /// The text of its last crash.
+    // JSON, text: Record of the last crash; null if there is none
     pub crash: Option<String>,
     /// Its state.
+    // JSON, text: State of the device
     pub state: Option<String>,
     /// The faults in force, in words.
+    // JSON, text: Latched faults
     pub faults: Vec<String>,
     /// The present sample index.
+    // JSON: Index of the device's present sample
     pub now_samples: Option<u64>,
     /// Heat of the actuator over its limit.
+    // JSON, 1: Estimated heat of the actuator, over its limit
     pub heat: Option<f64>,
     /// Its table.
     pub table: Option<TableInfo>,
     /// Its counters.
     pub counters: Option<CountersInfo>,
     /// Share of a block's time that the longest block took.
+    // JSON, 1: Time of the longest block over its limit
     pub worst_block: Option<f64>,
     /// Average time from a command to its reply.
+    // JSON: Mean round trip of a frame
     pub round_trip_s: f64,
     /// Whether a drive can wait for its trigger input.
+    // JSON, true or false: Whether the device has a trigger input; null where it is not reported
     pub trigger_input: Option<bool>,
 }
 
@@ -98,10 +134,13 @@ pub struct PortAnswer {
     /// The port, as it is written.
     pub port: String,
     /// The port in words.
+    // JSON, text: The port in words
     pub label: String,
     /// Whether it is known to be a Slipline device.
+    // JSON, true or false: Whether it is known to be a Slipline device
     pub is_ours: bool,
     /// Serial number at USB; `None` without one.
+    // JSON, text: Serial number at USB; null without one
     pub usb_serial: Option<String>,
 }
 
@@ -121,12 +160,16 @@ impl From<&PortInfo> for PortAnswer {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InputsInfo {
     /// Number of inputs.
+    // JSON, count: Number of inputs
     pub count: u8,
     /// Tones that are measured at once.
+    // JSON, count: Lock-ins of the inputs
     pub lock_ins: u8,
     /// Delay of an input behind the DAC.
+    // JSON: Delay of the inputs behind the DAC
     pub delay_s: f64,
     /// Blocks that were lost since the reset.
+    // JSON, count: Blocks of the inputs that were lost
     pub lost_blocks: u32,
 }
 
@@ -136,6 +179,7 @@ pub struct TableInfo {
     /// Its CRC-32 in hexadecimal.
     pub crc: String,
     /// Number of knots.
+    // JSON, count: Knots of the table
     pub knot_count: u16,
     /// The first place of the span.
     pub span_start_m: f64,
@@ -149,20 +193,27 @@ pub struct TableInfo {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CountersInfo {
     /// Valid frames received.
+    // JSON, count: Frames received
     pub frames: u32,
     /// Frames with a wrong CRC.
+    // JSON, count: Frames with a wrong checksum
     pub crc_errors: u32,
     /// Frames that were too long.
+    // JSON, count: Frames that were too long
     pub overlong: u32,
     /// Repeated commands.
+    // JSON, count: Commands that came twice
     pub duplicates: u32,
     /// Frames that were dropped.
+    // JSON, count: Frames that did not fit
     pub dropped: u32,
     /// Codes that were not ready in time.
+    // JSON, count: Blocks that came too late
     pub underruns: u32,
     /// Samples beyond the DAC's range.
     pub clipped_samples: u32,
     /// Cycles of the longest block.
+    // JSON, count: Cycles of the longest block
     pub max_cycles: u32,
 }
 

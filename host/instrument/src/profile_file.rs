@@ -53,14 +53,18 @@ pub enum ProfileFileError {
 struct Fields {
     name: String,
     /// The largest sum of the amplitudes, 1 = full scale.
+    // JSON, 1: Largest sum of the tones, over full scale
     #[serde(default = "full")]
     max_sum: f64,
     /// The largest rise of a level hold, dB.
+    // JSON: Largest rise of a held tone
     #[serde(default = "largest_rise_db")]
     max_rise_db: f64,
     /// The longest drive without a command of the user, s.
+    // JSON: Longest drive without a command
     #[serde(default = "longest_drive_s")]
     longest_drive_s: f64,
+    /// JSON of profile, true or false: Whether the board's stop input is used
     #[serde(default)]
     stop_input: bool,
     #[serde(default)]
@@ -72,8 +76,11 @@ struct Fields {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct Coil {
+    /// JSON: Time constant of the coil's winding
     winding_s: f64,
+    /// JSON: Time constant of the coil's body
     body_s: f64,
+    /// JSON, 1: Heat of a sine at full scale, over the limit
     full_sine: f64,
 }
 
@@ -81,8 +88,11 @@ struct Coil {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Travel {
+    /// JSON: Resonance of the actuator
     resonance_hz: f64,
+    /// JSON, 1: Quality factor of the actuator's resonance
     quality: f64,
+    /// JSON, 1: Static travel at full scale, over the peak travel
     static_travel: f64,
 }
 

@@ -12,9 +12,9 @@ use crate::snapshot::{DeviceView, DriveView, LinkCounters, LinkState, RoundTrip,
 use crate::trace::FRAMES_KEPT;
 use crate::undecided::{Held, Undecided};
 use crate::upkeep;
-use slipline_protocol::board::{Analogue, BoardReport, BrownOut, ClockReport, MutePin};
+use slipline_protocol::board::{Analogue, BoardReport, BrownOut};
 use slipline_protocol::command::{ArmLease, TravelLimit};
-use slipline_protocol::event::{Maintenance, ProfileReport, State, Status, TableReport, TriggerReport, Wear};
+use slipline_protocol::event::{Maintenance, ProfileReport, State, Status, TableReport, TriggerReport};
 use slipline_protocol::hold;
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Compatibility;
@@ -193,6 +193,7 @@ impl Recorder {
     /// Takes a report, with which the request for it is done.
     pub(crate) fn take(&mut self, ticket: Option<Ticket>, report: impl FnOnce(&mut Self)) {
         report(self);
+        self.touch();
         self.finish(ticket, Outcome::Done { at: 0 });
     }
 
@@ -231,7 +232,6 @@ impl Recorder {
         {
             self.log(Severity::Warning, warning);
         }
-        self.touch();
     }
 
     /// Stores the device's report on its board, with a log entry for what a person should correct.
@@ -241,7 +241,6 @@ impl Recorder {
         {
             self.log(Severity::Warning, warning);
         }
-        self.touch();
     }
 
     /// Stores the device's report on its supply, with a log entry if its reference voltage is wrong.
@@ -251,19 +250,6 @@ impl Recorder {
         {
             self.log(Severity::Warning, warning);
         }
-        self.touch();
-    }
-
-    /// Stores the device's report on its mute pin.
-    pub(crate) fn mute_pin(&mut self, reported: MutePin) {
-        self.view.device.mute_pin = Some(reported);
-        self.touch();
-    }
-
-    /// Stores the device's clocks.
-    pub(crate) fn clock(&mut self, reported: ClockReport) {
-        self.view.device.clock = Some(reported);
-        self.touch();
     }
 
     /// Stores the device's report on the level of its brown-out reset.
@@ -272,13 +258,6 @@ impl Recorder {
         if reported.restarts {
             self.log(Severity::Info, "The brown-out level is written: the device restarts with it.");
         }
-        self.touch();
-    }
-
-    /// Stores the device's report on the wear of its profile's flash.
-    pub(crate) fn wear(&mut self, reported: Wear) {
-        self.view.device.wear = Some(reported);
-        self.touch();
     }
 
     /// Stores the device's report on its actuator's profile.
@@ -293,7 +272,6 @@ impl Recorder {
             None => self.log(Severity::Info, "The device keeps no profile of its actuator."),
         }
         self.view.device.profile = Some(Arc::new(reported));
-        self.touch();
     }
 
     /// Stores the device's report on the actuator's travel limit.
@@ -305,7 +283,6 @@ impl Recorder {
             "The device does not limit the actuator's travel: the plate names no peak travel."
         };
         self.log(Severity::Info, line);
-        self.touch();
     }
 
     /// Stores the state of the level hold.

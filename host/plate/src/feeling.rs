@@ -20,12 +20,15 @@ pub const PERSONS_DB: f64 = 8.0;
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Feeling {
     /// Threshold of vibration, in units of [`threshold_m`] at the tone's frequency; above 0.
+    // JSON, 1: Threshold of the finger, over the usual one
     pub threshold: f64,
     /// Friction over ultrasonic amplitude.
     pub friction: FrictionCurve,
     /// Smallest fall of the friction that is felt, over the friction on the plate at rest; above 0, below 1.
+    // JSON, 1: Least change of friction that is felt
     pub least_friction_change: f64,
     /// Length of the contact along the plate, metres; at least 0.
+    // JSON: Length of the finger's contact
     pub contact_m: f64,
 }
 

@@ -32,6 +32,7 @@ pub struct Merit {
     pub contrast_db: f64,
     /// The same ratio of the square of what a usual finger feels, with the harmonics of the drive, dB; `None` if the plate file states
     /// no harmonics.
+    // JSON: The same ratio in sensation, with the drive's harmonics; null where the plate file states none
     pub felt_contrast_db: Option<f64>,
     /// Ratio of the largest to the smallest RMS amplitude in the solid area, dB.
     pub ripple_db: f64,
@@ -39,12 +40,15 @@ pub struct Merit {
     pub edge_width_m: f64,
     /// Time from the code that switches the boundary's tone on until its peak stays within 10 % of its amplitude,
     /// seconds, by the plate in time; `None` if the plate has no time-domain line.
+    // JSON: Time in which the boundary moves
     pub switching_time_s: Option<f64>,
     /// Least distance of a second, equally high peak before this one such that the mean square between them falls by
     /// 3 dB, metres; `None` if no tone of the span gives one.
+    // JSON: Least distance of two boundaries that are felt apart; null where unknown
     pub two_point_m: Option<f64>,
     /// log2(1 + span / two-point distance) / switching time: the information in a choice among distinguishable
     /// boundaries, at the rate at which they can be switched, bit/s. `None` without one of the two figures.
+    // JSON, bit/s: Rate at which a finger can tell places apart by the edge; null where unknown
     pub bits_per_s: Option<f64>,
 }
 

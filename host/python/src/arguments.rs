@@ -18,7 +18,7 @@ pub(crate) const SERIES_MAX: usize = 1_000_000;
 
 /// Refuses a number out of its range.
 pub(crate) fn in_range(field: &'static str, value: f64, range: Range) -> Result<(), Failure> {
-    OutOfRange::check(field, value, range).map_err(|refused| Failure::out_of_range(&refused))
+    OutOfRange::check(field, value, range).map_err(|refused| Failure::of(&refused))
 }
 
 /// Refuses a number out of its range, if there is one.
@@ -32,17 +32,12 @@ pub(crate) fn count_in(field: &'static str, value: i64, range: Range) -> Result<
     usize::try_from(value).map_err(|error| Failure::value(must_be(format_args!("{field} = {value}"), error)))
 }
 
-/// One of these words, if there is one.
-pub(crate) fn one_of<T: Copy>(
-    name: &str,
-    word: Option<&str>,
-    words: &[(&str, T)],
-) -> Result<Option<T>, Failure> {
-    let Some(given) = word else { return Ok(None) };
+/// One of these words.
+pub(crate) fn one_of<T: Copy>(name: &str, given: &str, words: &[(&str, T)]) -> Result<T, Failure> {
     let found = words.iter().find(|(word, _)| *word == given).map(|(_, value)| *value);
     let allowed = || words.iter().map(|(word, _)| *word).collect::<Vec<_>>().join(", ");
     let text = format_args!("{name} = {given:?}");
-    found.map(Some).ok_or_else(|| Failure::refused(must_be(text, format_args!("one of {}", allowed()))))
+    found.ok_or_else(|| Failure::refused(must_be(text, format_args!("one of {}", allowed()))))
 }
 
 /// An argument that is a number, or a series of numbers.
@@ -92,10 +87,7 @@ impl OneOrMore {
 
     /// Its numbers.
     pub(crate) fn numbers(self) -> Vec<f64> {
-        match self {
-            Self::One(number) => vec![number],
-            Self::More(numbers) => numbers,
-        }
+        self.repeated(1)
     }
 }
 

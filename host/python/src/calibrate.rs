@@ -96,7 +96,8 @@ pub(crate) fn calipers(
 
 /// What drives the plate, whose current was measured.
 pub(crate) fn transducer(word: Option<&str>) -> Result<Option<Transducer>, Failure> {
-    one_of("current", word, &[("coil", Transducer::Coil), ("piezo", Transducer::Piezo)])
+    let transducers = [("coil", Transducer::Coil), ("piezo", Transducer::Piezo)];
+    word.map(|word| one_of("current", word, &transducers)).transpose()
 }
 
 /// The felt edges of the arguments.
@@ -115,7 +116,7 @@ impl Touches<'_, '_> {
         optional("level", level, LEVEL)?;
         optional("touch_tolerance_m", tolerance_m, TOUCH_TOLERANCE)?;
         let known = [("as-told", TouchedDrive::AsStated), ("unknown", TouchedDrive::Unknown)];
-        let drive = one_of("touched_drive", touched_drive, &known)?;
+        let drive = touched_drive.map(|word| one_of("touched_drive", word, &known)).transpose()?;
         let Some(touch) = touch else {
             if level.is_some() || tolerance_m.is_some() || drive.is_some() || feeling.is_some() {
                 let given = "level, touch_tolerance_m, touched_drive or feeling without touch";
@@ -140,7 +141,7 @@ fn by_felt_edges(
     let made = table_for_watched(nominal, SAMPLE_RATE_HZ, progress);
     let (table, _) = made.map_err(|error| Failure::of(&error))?;
     touches.calibrate(nominal, priors, &table).map_err(|(_, error)| match error {
-        FeltEdgeError::Felt(refused) => Failure::out_of_range(&refused),
+        FeltEdgeError::Felt(refused) => Failure::of(&refused),
         FeltEdgeError::Asked(refused) => no_such_tone(refused),
     })
 }

@@ -87,14 +87,15 @@ struct AskedWave<'a> {
 impl AskedWave<'_> {
     fn read(self, material: &Material, thickness_m: f64) -> Result<(Wave, Option<Air>), Failure> {
         let Self { edge, wave_speed_m_per_s, tension_n_per_m, shear, air, thin } = self;
-        let edge = one_of("edge", edge, &[("supported", Edge::Supported), ("clamped", Edge::Clamped)])?;
+        let edges = [("supported", Edge::Supported), ("clamped", Edge::Clamped)];
+        let edge = edge.map(|word| one_of("edge", word, &edges)).transpose()?;
         optional("wave_speed_m_per_s", wave_speed_m_per_s, limits::WAVE_SPEED)?;
         optional("tension_n_per_m", tension_n_per_m, Wave::tensions(material, thickness_m))?;
         let thick_plate = !thin;
         let baffle =
             Air::Around { gas: Gas::ROOM, mounting: AirMounting::Baffle { faces: Faces::Two }, gap_m: None };
-        let air =
-            one_of("air", air, &[("bare-frame", Air::ROOM), ("baffle", baffle), ("vacuum", Air::Vacuum)])?;
+        let airs = [("bare-frame", Air::ROOM), ("baffle", baffle), ("vacuum", Air::Vacuum)];
+        let air = air.map(|word| one_of("air", word, &airs)).transpose()?;
         let wave = match (edge, wave_speed_m_per_s, tension_n_per_m, shear) {
             (edge, None, None, false) => Wave::Bending { edge: edge.unwrap_or(Edge::Supported), thick_plate },
             (None, Some(wave_speed_m_per_s), None, false) => Wave::Membrane { wave_speed_m_per_s },

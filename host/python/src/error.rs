@@ -4,7 +4,7 @@ use pyo3::exceptions::{PyMemoryError, PyTimeoutError, PyTypeError, PyValueError}
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use slipline_model::refused_value::{Given, RefusedValue};
-use slipline_plate::quantity::{OutOfRange, must_be};
+use slipline_plate::quantity::must_be;
 use std::error::Error;
 use std::fmt::Display;
 
@@ -71,12 +71,6 @@ impl Failure {
             }
             _ => Self::Because(Exception::Refused, message),
         }
-    }
-
-    /// A number out of its range, with the name of its argument.
-    pub(crate) fn out_of_range(refused: &OutOfRange) -> Self {
-        let OutOfRange { field, value, range } = *refused;
-        Self::number(refused.to_string(), field, value, (range.low, range.high))
     }
 
     /// The same by the name of the argument, where a computation names the option of the command line.

@@ -1,6 +1,6 @@
 //! The class `Measurement`: the response of a sensor at one place, over frequency.
 
-use crate::arguments::{ArrayLike, Item, count_in, in_range, optional};
+use crate::arguments::{ArrayLike, Item, count_in, in_range, one_of, optional};
 use crate::error::Failure;
 use crate::plate::{Plate, check_length};
 use numpy::{Complex64, PyArray1};
@@ -304,10 +304,7 @@ impl Measurement {
 /// The quantity of a sensor by its word.
 /// `name` is that of the argument.
 pub(crate) fn sensor_kind(name: &str, word: &str) -> Result<SensorKind, Failure> {
-    let words = SensorKind::ALL.map(SensorKind::word).join(", ");
-    let found = SensorKind::ALL.into_iter().find(|kind| kind.word() == word);
-    let given = format_args!("{name} = {word:?}");
-    found.ok_or_else(|| Failure::refused(must_be(given, format_args!("one of {words}"))))
+    one_of(name, word, &SensorKind::ALL.map(|kind| (kind.word(), kind)))
 }
 
 /// Properties that a file may lack.
@@ -337,12 +334,8 @@ impl Stated {
             return Err(bad(&"it does not state its place: add plate and place_m"));
         };
         let untold = |error: ForeignError| {
-            let is_of_kind = matches!(error, ForeignError::Kind);
-            if is_of_kind {
-                bad(&"it does not state what its sensor measures: add kind")
-            } else {
-                bad(&error)
-            }
+            let why = "it does not state what its sensor measures: add kind";
+            if matches!(error, ForeignError::Kind) { bad(&why) } else { bad(&error) }
         };
         match opened {
             Opened::Own(measurement) => Ok((measurement, None)),

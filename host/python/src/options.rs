@@ -9,23 +9,21 @@ use slipline_plate::quantity::{Range, nearest};
 /// Entries that are taken one by one; what is left at the end is refused.
 pub(crate) struct Options<'py> {
     call: &'static str,
-    left: Option<Bound<'py, PyDict>>,
+    left: Bound<'py, PyDict>,
     known: Vec<&'static str>,
 }
 
 impl<'py> Options<'py> {
-    pub(crate) fn new(call: &'static str, given: Option<&Bound<'py, PyDict>>) -> PyResult<Self> {
-        let left = given.map(|given| given.copy()).transpose()?;
-        Ok(Self { call, left, known: Vec::new() })
+    pub(crate) fn new(call: &'static str, given: &Bound<'py, PyDict>) -> PyResult<Self> {
+        Ok(Self { call, left: given.copy()?, known: Vec::new() })
     }
 
     /// An option; `None` if it is absent or `None`.
     pub(crate) fn take(&mut self, name: &'static str) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.known.push(name);
-        let Some(left) = &self.left else { return Ok(None) };
-        let found = left.get_item(name)?;
+        let found = self.left.get_item(name)?;
         if found.is_some() {
-            left.del_item(name)?;
+            self.left.del_item(name)?;
         }
         Ok(found.filter(|value| !value.is_none()))
     }
@@ -33,7 +31,8 @@ impl<'py> Options<'py> {
     /// A number, whose range is known later.
     pub(crate) fn number(&mut self, name: &'static str) -> PyResult<Option<f64>> {
         let Some(value) = self.take(name)? else { return Ok(None) };
-        Ok(Some(value.extract::<f64>().map_err(|_| self.wrong(name, "a number"))?))
+        let given = format_args!("{name} of {}()", self.call);
+        Ok(Some(value.extract::<f64>().map_err(|_| Failure::wrong_arguments(given, "a number"))?))
     }
 
     /// A number in its range.
@@ -43,15 +42,9 @@ impl<'py> Options<'py> {
         Ok(number)
     }
 
-    /// The refusal of an option's type.
-    pub(crate) fn wrong(&self, name: &str, allowed: &str) -> Failure {
-        Failure::wrong_arguments(format_args!("{name} of {}()", self.call), allowed)
-    }
-
     /// Raises `TypeError` for an unknown option, listing the accepted ones.
     pub(crate) fn end(self) -> Result<(), Failure> {
-        let names =
-            self.left.map_or_else(Vec::new, |left| left.keys().extract::<Vec<String>>().unwrap_or_default());
+        let names = self.left.keys().extract::<Vec<String>>().unwrap_or_default();
         let Some(name) = names.first() else { return Ok(()) };
         let meant = nearest(name, self.known.iter().copied())
             .map_or_else(String::new, |meant| format!(" (did you mean {meant}?)"));

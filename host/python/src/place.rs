@@ -1,12 +1,13 @@
 //! The place of a tone: `felt_edge_m`, `turning_point_m` or `frequency_hz`, one of them.
 
+use crate::arguments::in_range;
 use crate::error::Failure;
 use slipline_model::atomic_file::{read_text, said};
 use slipline_model::field::asked_place::{AskedPlace, NoSuchTone, turning_point_on};
 use slipline_model::field::simulation::{SAMPLE_RATE_HZ, table_for_watched};
 use slipline_model::setup::Setup;
 use slipline_model::setup::file::{self, Opened};
-use slipline_plate::quantity::{OutOfRange, PlaceOrFrequency, Range};
+use slipline_plate::quantity::{PlaceOrFrequency, Range};
 use slipline_plate::{DriveTable, Plate, Progress};
 use std::path::Path;
 use std::sync::Arc;
@@ -52,9 +53,9 @@ pub(crate) fn turning_point_m(
     level: f64,
     progress: &mut Progress<'_>,
 ) -> Result<f64, Failure> {
-    OutOfRange::check("level", level, LEVEL).map_err(|refused| Failure::out_of_range(&refused))?;
+    in_range("level", level, LEVEL)?;
     if let AskedPlace::TurningPoint(place) = asked {
-        return turning_point_on(place, plate).map_err(|refused| Failure::out_of_range(&refused));
+        return turning_point_on(place, plate).map_err(|refused| Failure::of(&refused));
     }
     let (table, _) =
         table_for_watched(plate, SAMPLE_RATE_HZ, progress).map_err(|error| Failure::of(&error))?;
@@ -74,7 +75,7 @@ pub(crate) fn turning_point_of(
 /// Why no tone is as asked.
 pub(crate) fn no_such_tone(error: NoSuchTone) -> Failure {
     match &error {
-        NoSuchTone::OutOfRange(refused) => Failure::out_of_range(refused),
+        NoSuchTone::OutOfRange(refused) => Failure::of(refused),
         &NoSuchTone::NoFeltEdge(place_m, ref refused) => {
             // Of several intervals the nearest.
             let away_m = |&(low_m, high_m): &(f64, f64)| (low_m - place_m).max(place_m - high_m);

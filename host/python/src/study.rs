@@ -1,13 +1,13 @@
 //! The class `_Study`: a specification, and any range of its plates. `slipline/study.py` spreads the ranges and keeps the store.
 
-use crate::arguments::reserved;
+use crate::arguments::{in_range, reserved};
 use crate::error::Failure;
 use crate::plate::{Plate, check_length, file_failure, named};
 use crate::waiting::compute;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use slipline_model::study::{Draft, Kind, SPEC_BYTES_MAX, Spec, Status, Varied};
-use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::quantity::Range;
 
 /// A range's results: `status` as `int8`, the fields that vary, and each result.
 type Results<'py> = (Bound<'py, PyArray1<i8>>, Bound<'py, PyArray2<f64>>, Vec<Bound<'py, PyArray2<f64>>>);
@@ -107,7 +107,7 @@ impl Study {
     /// Raises ``OutOfRange`` if the study has no such plate; ``BadFile`` if the plate file refuses its numbers.
     fn plate(&self, i: i64) -> PyResult<Plate> {
         let plates = Range::new(0.0, self.count().saturating_sub(1) as f64, "");
-        OutOfRange::check("i", i as f64, plates).map_err(|refused| Failure::out_of_range(&refused))?;
+        in_range("i", i as f64, plates)?;
         let plate = self.inner.plate(i.unsigned_abs());
         Ok(plate.map_err(|error| file_failure(&error))?.into())
     }

@@ -86,7 +86,7 @@ pub(crate) fn run(
         let palette = Palette::new(&plate, &table);
         let made = make(&palette, &wish, most, &mut progress.part(0.2, 1.0)).map_err(|error| {
             let TextureError::OutOfRange(refused) = error else { return Failure::of(&error) };
-            Failure::out_of_range(&OutOfRange { field: argument, ..refused })
+            Failure::of(&OutOfRange { field: argument, ..refused })
         })?;
         let places = TonePlaces::of_setup(&made.setup(Arc::clone(&plate)), &table);
         Ok(fields(&TextureAnswer::of(&plate, &made, &places)))

@@ -23,6 +23,8 @@ pub(super) fn run(
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut program, "slipline", &mut script);
     let script = String::from_utf8(script).map_err(Failure::failed)?;
+    // JSON `script`, text: The script
+    // JSON `shell`, text: The shell
     let value = json!({ "shell": arguments.shell.to_string(), "script": script });
     output::print(as_json, &value, |out| write!(out, "{script}"))
 }

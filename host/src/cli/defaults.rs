@@ -34,6 +34,8 @@ pub(super) struct Chosen {
 
 impl Chosen {
     pub(super) fn value(&self) -> Value {
+        // JSON `value` of info, text: The default; its entry is null where the setting is refused
+        // JSON `from` of info, text: option, environment, settings file or built-in
         json!({ "value": self.value, "from": self.from })
     }
 

@@ -127,8 +127,11 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         "port": arguments.port.port()?.to_string(),
         "plate": wanted.plate.name(),
         "at_samples": began.map(|(at, _)| at),
+        // JSON: Index of the sample at which it stopped; null if it did not begin
         "stopped_at_samples": stopped_at,
+        // JSON: Time of the drive
         "driven_s": course.driven_s,
+        // JSON, text: time, stop or input (of --stdin), or the signal that ended it
         "ended_by": signals::ended_by().map_or(course.end.name(), Signal::name),
         "feeling": wanted.feeling.answer(),
         "tones": drive.tones(course.followed.places().as_ref().unwrap_or(&drive.places)),

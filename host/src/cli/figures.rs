@@ -40,6 +40,11 @@ pub(super) fn run(arguments: &FiguresArguments, as_json: bool) -> Result<(), Fai
         written.push((figure, [svg, png, csv].map(|file| file.path().display().to_string())));
     }
     let entries = written.iter().map(|(figure, [svg, png, csv])| {
+        // JSON `csv`, text: File with the numbers of the figure
+        // JSON `number`, count: Number of the paper's figure; null for other figures
+        // JSON `png`, text: File with the figure as a picture
+        // JSON `svg`, text: File with the figure as vectors
+        // JSON `title`, text: Title of the figure
         json!({ "number": figure.number, "name": figure.stem, "title": figure.title, "svg": svg, "png": png, "csv": csv })
     });
     let value = json!({

@@ -98,8 +98,10 @@ impl<'a> FollowedDrive<'a> {
         let places = self.device.during(|| TonePlaces::of_setup(setup, table))?;
         let tones: Vec<_> = TonePlaces::on_device(&places, self.table).collect();
         let value = json!({
+            // JSON, count: Number of the line of --stdin
             "line": self.lines,
             "at_samples": at,
+            // JSON: Time of the change to these tones
             "glide_s": setup.glide_s,
             "tones": tones.iter().map(|(tone, hz)| ToneAnswer::of(tone, *hz)).collect::<Vec<_>>(),
         });

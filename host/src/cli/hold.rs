@@ -136,16 +136,23 @@ impl Holder {
     pub(super) fn value(&self) -> Value {
         let tones = self.latest.iter().flat_map(|held| words(held)).map(|tone| {
             json!({
+                // JSON, count: Slot of the tone, from 0
                 "slot": tone.slot,
                 "turning_point_m": self.turning_point_m(tone.slot),
+                // JSON of drive, text: State of the held tone
                 "state": tone.words,
+                // JSON: Rise of the tone by the hold
                 "correction_db": tone.correction_db,
+                // JSON, codes: Amplitude at the sensor, in codes of the input
                 "amplitude_codes": tone.amplitude_codes,
             })
         });
         json!({
+            // JSON: Length of a window
             "window_s": self.plan.window_s(),
+            // JSON: Time constant of the hold
             "time_constant_s": self.plan.time_constant_s,
+            // JSON, count: Windows that the hold has measured
             "measured_windows": self.latest.as_ref().map(|held| held.windows),
             "tones": tones.collect::<Vec<_>>(),
         })

@@ -40,6 +40,7 @@ pub(super) fn run(arguments: &ImagesArguments, as_json: bool) -> Result<(), Fail
     for (file, (_, bytes)) in files.iter().zip(BUILT_IN) {
         file.write(|out| Ok(out.write_all(bytes)?))?;
     }
+    // JSON `images`, text: Files of the boards' images in the program; none in a build that is no release
     let value = json!({ "images": names, "files": Destination::names(&files) });
     output::print(as_json, &value, |out| match &arguments.out {
         Some(folder) => writeln!(out, "{} images are in {}", names.len(), folder.display()),

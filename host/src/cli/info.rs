@@ -35,6 +35,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
     value["defaults"] = json!({
         "port": of_port.value(),
         "plate": defaults.plate.as_ref().ok().map(Chosen::value),
+        // JSON, text: The settings file, whether or not it exists
         "settings_file": settings_file,
     });
     let plate = defaults.plate.as_ref().map_or_else(ToString::to_string, Chosen::words);

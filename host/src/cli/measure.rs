@@ -207,16 +207,23 @@ fn value(&Report { plate, input, drive, measured }: &Report<'_>, out: Option<&De
     json!({
         "plate": plate.name(),
         "place_m": measurement.place_m,
+        // JSON, text: sensor or current
         "input": if input == Input::Current { "current" } else { "sensor" },
         "kind": (input == Input::Sensor).then(|| measurement.sensor.word()),
         "sample_rate_hz": measurement.sample_rate_hz,
         "frequency_hz": points().map(|it| it.frequency_hz).collect::<Vec<_>>(),
         "response": points().map(|it| json!({ "re": it.response.re, "im": it.response.im })).collect::<Vec<_>>(),
+        // JSON, unit of `response`: Noise of each answer
         "noise": points().map(|it| it.noise).collect::<Vec<_>>(),
+        // JSON: Level of the input below the end of its range; of a chord, above the sum of its tones
         "headroom_db": points().map(|it| it.headroom_db).collect::<Vec<_>>(),
+        // JSON: The least headroom of the measurement
         "least_headroom_db": measured.headroom_db,
+        // JSON, text: Light of the least headroom: green, amber or red
         "headroom_colour": measured.light().name(),
+        // JSON, codes: Noise at the input, in codes
         "noise_codes": measured.noise_codes,
+        // JSON, text: Whether the drive is on; null where it was not checked
         "drive": drive.map(|drive| drive.to_string()),
         "warnings": warnings(measured),
         "files": Destination::names(out),

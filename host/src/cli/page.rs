@@ -43,6 +43,8 @@ pub(super) fn run(arguments: &PageArguments, as_json: bool) -> Result<(), Failur
     let _closing = signals::end_normally_by(move || ending.end());
     let address = server.address();
     let folder = contents.folder().map(|folder| folder.display().to_string());
+    // JSON `address`, text: Where a browser finds the page
+    // JSON `folder`, text: Folder of the page; null where it is in the program
     output::print(as_json, &json!({ "address": address, "folder": folder }), |out| {
         let of = folder.as_deref().map_or(String::new(), |folder| format!(" of {folder}"));
         writeln!(out, "The page{of} is at {address}. Ctrl-C ends it.")

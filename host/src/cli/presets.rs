@@ -8,6 +8,7 @@ pub(super) fn run(as_json: bool) -> Result<(), Failure> {
     let presets = slipline_plate::presets();
     let list: Vec<_> = presets
         .iter()
+        // JSON `description`, text: Description of the preset
         .map(|preset| json!({ "name": preset.name, "description": preset.description() }))
         .collect();
     output::print(as_json, &json!({ "presets": list }), |out| {

@@ -58,6 +58,7 @@ pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Fail
         "plate": wanted.plate.name(),
         "sample_rate_hz": SAMPLE_RATE_HZ,
         "samples": samples,
+        // JSON: Time of the recording
         "recorded_s": seconds,
         "files": Destination::names([&wav]),
         "feeling": wanted.feeling.answer(),

@@ -8,6 +8,7 @@ pub const SCHEMA: u32 = 1;
 
 /// The fields of an answer, and the names of the files that the command has written.
 pub(super) fn with_files(mut answer: Value, files: Vec<String>) -> Value {
+    // JSON `files`, text: Files that were written
     answer["files"] = json!(files);
     answer
 }
@@ -16,6 +17,7 @@ pub(super) fn with_files(mut answer: Value, files: Vec<String>) -> Value {
 pub(super) fn finished(value: &Value) -> Value {
     let mut value = value.clone();
     if let Value::Object(fields) = &mut value {
+        // JSON `schema`, count: Version of these fields
         fields.insert("schema".to_owned(), json!(SCHEMA));
     }
     lose_negative_zeros(&mut value);

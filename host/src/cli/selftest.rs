@@ -82,8 +82,10 @@ struct Answer {
 impl Answer {
     fn json(&self) -> Value {
         let mut value = json!(self.report);
+        // JSON `date`, text: When the test ended, in UTC
         value["date"] = json!(self.date);
         value["files"] = json!(self.files);
+        // JSON `passed`, true or false: Whether no step is red
         value["passed"] = json!(self.report.passed());
         value["port"] = json!(self.port.as_ref().map(ToString::to_string));
         value

@@ -42,9 +42,11 @@ impl Asked {
 
 fn of_pair(pair: &PairReach) -> Value {
     json!({
+        // JSON: Places of the sensor
         "places_m": pair.places_m,
         "turning_point_tolerance_m": pair.boundary_tolerance_m,
         "level_tolerance_db": pair.level_tolerance_db,
+        // JSON: Uncertainty of the nodes at the driven end, 95 %
         "node_tolerance_m": pair.node_tolerance_m,
     })
 }
@@ -52,7 +54,9 @@ fn of_pair(pair: &PairReach) -> Value {
 fn value(plate: &Plate, places: &SensorPlaces, asked: Option<&Asked>) -> Value {
     json!({
         "plate": plate.name(),
+        // JSON: Nearest place of a sensor
         "nearest_place_m": places.nearest_m,
+        // JSON, text: Limit of the nearest place
         "nearest_by": limit(places.limit),
         "best": of_pair(&places.best),
         "pairs": places.pairs.iter().map(of_pair).collect::<Vec<_>>(),

@@ -74,6 +74,7 @@ pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failu
     let _closing = signals::end_normally_by(move || is_ended.store(true, Ordering::Relaxed));
     let path = server.path().display().to_string();
     let port = if arguments.socket.is_some() { format!("unix:{path}") } else { path.clone() };
+    // JSON `path`, text: Socket or pseudo-terminal
     output::print(as_json, &json!({ "path": path, "port": port }), |out| {
         writeln!(out, "The simulated device is at {path}, for Slipline --port {port}. Ctrl-C ends it.")?;
         writeln!(

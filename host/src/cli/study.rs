@@ -63,8 +63,11 @@ pub(super) fn run(arguments: &StudyArguments, as_json: bool) -> Result<(), Failu
     let places = || study.spec().turning_point_m().iter().zip(study.frequencies_hz()).enumerate();
     let value = json!({
         "plate": study.nominal().name(),
+        // JSON, count: Seed of the study's random numbers
         "seed": study.spec().seed(),
         "plates": counts()
+            // JSON `count` of study, count: Plates with this status
+            // JSON `status`, text: done, or why a place of these plates has no numbers
             .map(|(status, count)| json!({ "status": status.meaning(), "count": count }))
             .collect::<Vec<_>>(),
         "turning_points": places()
@@ -78,6 +81,7 @@ pub(super) fn run(arguments: &StudyArguments, as_json: bool) -> Result<(), Failu
                 Value::Object(value)
             })
             .collect::<Vec<Value>>(),
+        // JSON, 1: Shares of the plates below the quantiles
         "quantiles": Statistics::SHARES,
         "files": Destination::names(&file),
     });
@@ -144,6 +148,27 @@ fn fields(result: StudyResult, found: Option<Statistics>) -> [(String, Value); 3
     let unit = result.unit().to_lowercase();
     let stem = result.name().trim_end_matches(&unit).trim_end_matches('_');
     let stem = stem.trim_start_matches("turning_point_");
+    // JSON `contrast_deviation_db`: Standard deviation of the contrast; null for a single plate
+    // JSON `contrast_mean_db`: Mean contrast of the nominal plate's solid area; null where no plate has one
+    // JSON `contrast_quantiles_db`: Quantiles of the contrast, in the order of `quantiles`
+    // JSON `crest_deviation_db`: Standard deviation of the crest; null for a single plate
+    // JSON `crest_mean_db`: Mean of the peak over the RMS amplitude before the turning point; null where no plate has a peak
+    // JSON `crest_quantiles_db`: Quantiles of the crest, in the order of `quantiles`
+    // JSON `felt_edge_deviation_m`: Standard deviation of the felt edge; null for a single plate
+    // JSON `felt_edge_mean_m`: Mean place where the sensation ends; null where it ends on no plate
+    // JSON `felt_edge_quantiles_m`: Quantiles of the felt edge, in the order of `quantiles`
+    // JSON `peak_shift_deviation_m`: Standard deviation of the peak's shift; null for a single plate
+    // JSON `peak_shift_mean_m`: Mean distance of the peak from that of the same tone on the nominal plate
+    // JSON `peak_shift_quantiles_m`: Quantiles of the peak's shift, in the order of `quantiles`
+    // JSON `ripple_deviation_db`: Standard deviation of the ripple; null for a single plate
+    // JSON `ripple_mean_db`: Mean ripple of the nominal plate's solid area; null where no plate has one
+    // JSON `ripple_quantiles_db`: Quantiles of the ripple, in the order of `quantiles`
+    // JSON `level_deviation_db`: Standard deviation of the level; null for a single plate
+    // JSON `level_mean_db`: Mean of the peak over the nominal plate's peak; null where no plate has a peak
+    // JSON `level_quantiles_db`: Quantiles of the level, in the order of `quantiles`
+    // JSON `shift_deviation_m`: Standard deviation of the shift; null for a single plate
+    // JSON `shift_mean_m`: Mean distance of the turning point from that of the same tone on the nominal plate
+    // JSON `shift_quantiles_m`: Quantiles of the shift, in the order of `quantiles`
     [
         (format!("{stem}_mean_{unit}"), json!(found.map(|it| it.mean))),
         (format!("{stem}_deviation_{unit}"), json!(found.and_then(|it| it.standard_deviation))),

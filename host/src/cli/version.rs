@@ -51,9 +51,13 @@ pub(super) fn print() -> Result<(), Failure> {
     let commit = Some(env!("SLIPLINE_COMMIT")).filter(|commit| !commit.is_empty());
     let program = std::env::current_exe().and_then(|path| path.canonicalize()).map_err(Failure::failed)?;
     let value = json!({
+        // JSON of --version, text: Version of the program
         "version": env!("CARGO_PKG_VERSION"),
+        // JSON, text: Commit that the program was built from; null where it was built outside the project's tree
         "commit": commit,
+        // JSON, text: deb, wheel, cargo, source or archive: by the records around the program
         "installed": installed_by(&program, Path::new("/usr/share/doc/slipline")),
+        // JSON, text: File of the program that runs
         "program": program.display().to_string(),
     });
     output::print(true, &value, |_| Ok(()))

@@ -57,6 +57,7 @@ fn value(port: &str, snapshot: &Snapshot, status: &Status) -> Value {
     json!({
         "port": port,
         "now_samples": status.now,
+        // JSON: Time of the device's present sample
         "now_s": rate_hz.map(|rate_hz| status.now as f64 / rate_hz),
         "state": format!("{:?}", status.state),
         "faults": faults,

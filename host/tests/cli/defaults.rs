@@ -1,9 +1,9 @@
 //! Defaults of `--port` and `--plate`: option, environment, settings file, built-in.
 #![cfg(target_os = "linux")]
 
-use super::file;
+use super::{file, program};
 use serde_json::{Value, json};
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// A run with a folder of settings and variables.
 fn run(settings: Option<&str>, variables: &[(&str, &str)], arguments: &[&str]) -> Output {
@@ -14,10 +14,8 @@ fn run(settings: Option<&str>, variables: &[(&str, &str)], arguments: &[&str]) -
     if let Some(text) = settings {
         std::fs::write(folder.join("slipline/settings.toml"), text).unwrap();
     }
-    let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
-    command.args(arguments).env("XDG_CONFIG_HOME", &folder);
-    command.env_remove("SLIPLINE_PORT").env_remove("SLIPLINE_PLATE").envs(variables.iter().copied());
-    let output = command.output().unwrap();
+    let mut command = program(arguments);
+    let output = command.env("XDG_CONFIG_HOME", &folder).envs(variables.iter().copied()).output().unwrap();
     std::fs::remove_dir_all(folder).unwrap();
     output
 }

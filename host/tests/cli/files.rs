@@ -1,11 +1,11 @@
 //! Existing files, and a signal while a file is being written.
 
-use super::{design, failure, file, refused, slipline};
+use super::{design, failure, file, piped, refused, slipline};
 #[cfg(unix)]
 use std::os::unix::process::ExitStatusExt as _;
 #[cfg(unix)]
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 #[test]
 fn an_existing_file_is_replaced_only_when_asked() {
@@ -51,13 +51,9 @@ fn of_commands_that_create_a_file_at_once_one_succeeds() {
     let path = file("at-once.json");
     let table = || {
         let out = ["table", "--plate", "membrane", "--out", path.to_str().unwrap()];
-        Command::new(env!("CARGO_BIN_EXE_slipline"))
-            .args(out)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
+        piped(out)
     };
-    let running: Vec<_> = (0..4).map(|_| table().unwrap()).collect();
+    let running: Vec<_> = (0..4).map(|_| table()).collect();
     let ended: Vec<_> = running.into_iter().map(|child| child.wait_with_output().unwrap()).collect();
     let wrote = ended.iter().filter(|output| String::from_utf8_lossy(&output.stdout).contains("Written to"));
     assert_eq!(wrote.count(), 1);

@@ -1,11 +1,12 @@
 //! `slipline drive --stdin`: a drive that follows lines; without the option standard input is not touched.
 
+use super::piped;
 use super::signals::{HANG, Socket};
 use serde_json::Value;
 use slipline_link::protocol::Command as Message;
 use slipline_link::protocol::command::Drive;
 use std::io::{BufRead, BufReader, Read as _, Write as _};
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::{Child, ChildStdin, Command};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
@@ -20,15 +21,8 @@ struct Following {
 impl Following {
     fn begun(name: &str, arguments: &str) -> Self {
         let socket = Socket::serve(&format!("following-{name}"));
-        let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-            .args("drive --json --stdin --plate membrane --port".split(' '))
-            .arg(format!("unix:{}", socket.path.display()))
-            .args(arguments.split(' '))
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let drive = "drive --json --stdin --plate membrane --port unix:";
+        let mut child = piped(format!("{drive}{} {arguments}", socket.path.display()).split(' '));
         let (heard, answers) = channel();
         let output = BufReader::new(child.stdout.take().unwrap());
         std::thread::spawn(move || {

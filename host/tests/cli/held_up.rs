@@ -1,11 +1,12 @@
 //! A command whose output is blocked while it drives: its device is stopped and disarmed, and the command reports it.
 #![cfg(target_os = "linux")]
 
+use super::program;
 use super::signals::{HANG, Socket};
 use super::terminal::terminal;
 use slipline_link::protocol::Command as Message;
 use std::io::{Read as _, Write as _};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 /// Ctrl-S and Ctrl-Q at a terminal: its output pauses, and resumes.
@@ -17,13 +18,9 @@ fn a_command_whose_terminal_is_held_is_stopped_and_disarmed_and_says_so() {
     let socket = Socket::serve("held");
     let (mut ours, theirs) = terminal();
     ours.write_all(&[HOLD]).unwrap();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-        .args("drive --plate membrane --turning-point 120mm --for 500ms --port".split(' '))
-        .arg(format!("unix:{}", socket.path.display()))
-        .stdout(theirs)
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let drive = "drive --plate membrane --turning-point 120mm --for 500ms --port unix:";
+    let drive = format!("{drive}{}", socket.path.display());
+    let mut child = program(drive.split(' ')).stdout(theirs).stderr(Stdio::piped()).spawn().unwrap();
     let begun = Instant::now();
     let mut until = |what: &str, is_so: &dyn Fn() -> bool| {
         while !is_so() {

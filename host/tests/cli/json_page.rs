@@ -1,21 +1,26 @@
-//! `host/JSON.md` and the output of every command have the same fields; every example of the help runs.
+//! `host/JSON.md` and the output of every command have the same fields; every example of the help runs. The page says of a
+//! field what a comment above it in its answer says, one name for one quantity over all commands:
+//!
+//! ```text
+//! JSON: the meaning                     of a name that ends in its unit
+//! JSON, count: the meaning              of another; the unit is "text", "1", "codes" ..
+//! JSON of study, count: the meaning     of this command only; several are joined by "and"
+//! JSON `crc`, text: the meaning         where the field is not in the next line
+//! ```
 //! `SLIPLINE_BLESS=1 cargo test -p slipline --test cli json_page` writes the page again.
 #![cfg(unix)]
 
-#[path = "json_page/names.rs"]
-mod names;
-
 use super::served::Served;
-use super::{Sensed, file, signal};
-use names::{NAMES, UNITS};
+use super::serving::Serving;
+use super::{Sensed, file};
 use serde_json::Value;
 use slipline::cli::{EXAMPLES, SCHEMA};
 use slipline_link::simulator::Options;
 use slipline_model::study::StudyResult;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
-use std::io::{BufRead as _, BufReader, Write as _};
-use std::path::Path;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// What the examples leave out: objects that are null in them.
@@ -77,24 +82,24 @@ fn run(folder: &Path, line: &str) -> Value {
     value
 }
 
+/// The arguments of a line, without --json.
+fn arguments(line: &str) -> Vec<&str> {
+    line.split(' ').filter(|word| *word != "slipline" && *word != "--json").collect()
+}
+
 fn program(folder: &Path, line: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
-    let words = line.split(' ').filter(|word| *word != "slipline" && *word != "--json");
-    command.args(words).arg("--json").current_dir(folder).env("XDG_CONFIG_HOME", folder);
-    command.env_remove("SLIPLINE_PORT").env_remove("SLIPLINE_PLATE");
+    let mut command = super::program(arguments(line));
+    command.arg("--json").current_dir(folder).env("XDG_CONFIG_HOME", folder);
     command
 }
 
-/// The example of `serve`, and what `info` says of the device that it offers.
-fn served(folder: &Path, line: &str) -> [Value; 2] {
-    let mut child = program(folder, line).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
-    let mut first = String::new();
-    BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut first).unwrap();
-    let offered: Value = serde_json::from_str(&first).unwrap();
-    let info = run(folder, &format!("info --port {}", offered["port"].as_str().unwrap()));
-    signal(child.id(), "-TERM");
-    assert_eq!(child.wait().unwrap().code(), Some(0));
-    [offered, info]
+/// The first line of a command that only a signal ends, and what is found meanwhile.
+fn serving<T>(folder: &Path, line: &str, meanwhile: impl FnOnce(&Value) -> T) -> (Value, T) {
+    let serving = Serving::start(folder, &arguments(line));
+    let first = serving.1.clone();
+    let found = meanwhile(&first);
+    assert_eq!(serving.end("-TERM").code(), Some(0));
+    (first, found)
 }
 
 /// What a drive that follows one line says of it.
@@ -106,16 +111,6 @@ fn followed(folder: &Path, line: &str) -> Value {
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
     serde_json::from_str(text.lines().next().unwrap()).unwrap()
-}
-
-/// The first line of a command that only a signal ends.
-fn first_line(folder: &Path, line: &str) -> Value {
-    let mut child = program(folder, line).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
-    let mut first = String::new();
-    BufReader::new(child.stdout.take().unwrap()).read_line(&mut first).unwrap();
-    signal(child.id(), "-TERM");
-    assert_eq!(child.wait().unwrap().code(), Some(0));
-    serde_json::from_str(&first).unwrap()
 }
 
 /// The fields of all commands, in the order of the examples.
@@ -136,16 +131,19 @@ fn fields_of_all() -> Vec<(&'static str, Fields)> {
         for line in *lines {
             match *command {
                 "serve" => {
-                    let [offered, info] = served(&folder, line);
+                    let info =
+                        |it: &Value| run(&folder, &format!("info --port {}", it["port"].as_str().unwrap()));
+                    let (offered, info) = serving(&folder, line, info);
                     add("serve", &offered);
                     add("info", &info);
                 }
-                "watch" => add("watch", &first_line(&folder, line)),
+                "watch" => add("watch", &serving(&folder, line, |_| ()).0),
                 "page" => {
                     std::fs::create_dir_all(folder.join("target/page")).unwrap();
                     std::fs::write(folder.join("target/page/index.html"), "").unwrap();
                     // Another program may have the port of the example.
-                    add("page", &first_line(&folder, &format!("{line} --listen 127.0.0.1:0")));
+                    let line = format!("{line} --listen 127.0.0.1:0");
+                    add("page", &serving(&folder, &line, |_| ()).0);
                 }
                 "calibrate" if line.contains("--plan") => add("calibrate --plan", &run(&folder, line)),
                 command => add(command, &run(&folder, line)),
@@ -182,32 +180,85 @@ fn fields_of_all() -> Vec<(&'static str, Fields)> {
     all
 }
 
-/// The unit and the meaning of a field.
-fn meaning(command: &str, path: &str) -> (&'static str, &'static str) {
+/// The units by which names end, the longer ones first.
+const UNITS: &[(&str, &str)] = &[
+    ("_n_s_per_m", "N s/m"),
+    ("_n_per_m", "N/m"),
+    ("_per_m", "1/m"),
+    ("_samples", "samples"),
+    ("_db", "dB"),
+    ("_v", "V"),
+    ("_kg", "kg"),
+    ("_hz", "Hz"),
+    ("_s", "s"),
+    ("_m", "m"),
+];
+
+/// The unit and the meaning of each name; one that only one command has is behind this command and a colon.
+type Meanings = BTreeMap<String, (String, String)>;
+
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect()
+}
+
+/// What the comments of the answers say.
+fn meanings() -> Meanings {
+    let host = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut meanings = Meanings::new();
+    for file in ["src", "plate/src", "model/src", "instrument/src"].map(|it| sources(&host.join(it))).concat()
+    {
+        let source = std::fs::read_to_string(&file).unwrap();
+        let lines: Vec<&str> = source.lines().map(str::trim).collect();
+        let comment = |at: usize| Some(lines.get(at)?.strip_prefix("//")?.trim_start_matches('/').trim());
+        let first = |at: usize| comment(at).filter(|text| text.starts_with("JSON"));
+        for (at, begin) in (0..lines.len()).filter_map(|at| Some((at, first(at)?))) {
+            let more = (at + 1..).take_while(|at| first(*at).is_none()).map_while(comment);
+            let text = std::iter::once(begin).chain(more).collect::<Vec<_>>().join(" ");
+            let (head, meaning) =
+                text.split_once(": ").unwrap_or_else(|| panic!("{}: {text}", file.display()));
+            let (head, unit) = head.split_once(", ").unwrap_or((head, ""));
+            let (head, commands) = head.split_once(" of ").unwrap_or((head, ""));
+            let field = lines[at..].iter().find(|line| !line.starts_with(['/', '#'])).unwrap();
+            let field = field.split(':').next().unwrap().rsplit(' ').next().unwrap();
+            let name = head.strip_prefix("JSON `").unwrap_or(field).trim_matches(['`', '"']);
+            for command in commands.split(" and ") {
+                let name =
+                    [command, name].into_iter().filter(|it| !it.is_empty()).collect::<Vec<_>>().join(":");
+                let other = meanings.insert(name.clone(), (unit.to_owned(), meaning.to_owned()));
+                assert!(other.is_none(), "{}: {name} has a meaning elsewhere, too", file.display());
+            }
+        }
+    }
+    meanings
+}
+
+/// The name of a field of a command, its unit and its meaning.
+fn meaning<'a>(meanings: &'a Meanings, command: &str, path: &str) -> (&'a str, &'a str, &'a str) {
     let name = path.trim_end_matches("[]").rsplit('.').next().unwrap();
-    let own = format!("{command}:{name}");
-    let found = |wanted: &str| NAMES.iter().find(|(name, ..)| *name == wanted);
-    let (name, unit, meaning) =
-        found(&own).or_else(|| found(name)).unwrap_or_else(|| panic!("{command}: {path} has no meaning"));
+    let own = meanings.get_key_value(&format!("{command}:{name}"));
+    let found = own.or_else(|| meanings.get_key_value(name));
+    let (key, (unit, meaning)) = found.unwrap_or_else(|| panic!("{command}: {path} has no meaning"));
     let ending = UNITS.iter().find(|(ending, _)| name.ends_with(ending)).map(|(_, unit)| *unit);
-    assert!(unit.is_empty() == (ending.is_some() && *unit != "bit/s"), "{name}: {unit}");
-    (if unit.is_empty() { ending.unwrap() } else { unit }, meaning)
+    assert!(unit.is_empty() == (ending.is_some() && unit != "bit/s"), "{name}: {unit}");
+    (key, if unit.is_empty() { ending.unwrap() } else { unit }, meaning)
 }
 
 fn page() -> String {
     let mut page = include_str!("json_page/prose.md").to_owned();
+    let meanings = meanings();
     let mut used = BTreeSet::new();
     for (command, fields) in fields_of_all() {
         let _ = write!(page, "\n## `slipline {command}`\n\n| Field | Unit | Meaning |\n|---|---|---|\n");
         for (path, kinds) in fields {
-            let (unit, meaning) = meaning(command, &path);
+            let (name, unit, meaning) = meaning(&meanings, command, &path);
             let wanted = if matches!(unit, "text" | "true or false") { unit } else { "number" };
             assert!(kinds.iter().all(|kind| *kind == wanted), "{command}: {path} is {kinds:?}, not {unit}");
             let _ = writeln!(page, "| `{path}` | {unit} | {meaning} |");
-            used.insert(meaning);
+            used.insert(name);
         }
     }
-    let unused: Vec<_> = NAMES.iter().filter(|(.., meaning)| !used.contains(meaning)).collect();
+    let unused: Vec<_> = meanings.keys().filter(|name| !used.contains(name.as_str())).collect();
     assert!(unused.is_empty(), "no command has these: {unused:?}");
     page
 }

@@ -60,8 +60,9 @@ mod watch;
 mod words;
 
 use serde_json::Value;
+use std::ffi::OsStr;
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::{Condvar, Mutex, PoisonError};
 
 /// A command with a simulated sensor computes a plate in real time, for some seconds; its device stops, as it should, where it
@@ -86,12 +87,23 @@ impl Drop for Sensed {
     }
 }
 
+/// The program, without the defaults of the person who runs the tests.
+fn program(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
+    command.env_remove("SLIPLINE_PORT").env_remove("SLIPLINE_PLATE");
+    command.env("XDG_CONFIG_HOME", env!("CARGO_TARGET_TMPDIR")).args(arguments);
+    command
+}
+
+/// The same, running, with its input, output and errors as pipes.
+fn piped(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Child {
+    let mut command = program(arguments);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
 fn slipline(arguments: &[&str]) -> Output {
     let _running = arguments.contains(&"--sensor").then(Sensed::begin);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
-    // Without the defaults of the person who runs the tests.
-    command.env_remove("SLIPLINE_PORT").env_remove("SLIPLINE_PLATE");
-    command.env("XDG_CONFIG_HOME", env!("CARGO_TARGET_TMPDIR")).args(arguments).output().unwrap()
+    program(arguments).output().unwrap()
 }
 
 fn json(arguments: &[&str]) -> Value {

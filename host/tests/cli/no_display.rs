@@ -1,11 +1,11 @@
 //! Without a display the program ends with a message that says so.
 #![cfg(all(feature = "gui", target_os = "linux"))]
 
-use std::process::Command;
+use super::program;
 
 /// The message and exit code of the program, with these variables and no other that names a display.
-fn start(variables: &[(&str, &str)]) -> (String, Option<i32>) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
+pub(crate) fn start(arguments: &[&str], variables: &[(&str, &str)]) -> (String, Option<i32>) {
+    let mut command = program(arguments);
     for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
         command.env_remove(name);
     }
@@ -21,7 +21,7 @@ fn without_a_display_the_error_says_what_to_do_and_names_no_folder_of_the_build(
         (&[("DISPLAY", ":4711")], "the display DISPLAY=:4711 does not answer: "),
         (&[("WAYLAND_DISPLAY", "nowhere-7")], "the display WAYLAND_DISPLAY=nowhere-7 does not answer: "),
     ] {
-        let (error, code) = start(variables);
+        let (error, code) = start(&[], variables);
         assert_eq!(code, Some(1), "{error}");
         assert!(error.starts_with("slipline: ") && error.contains(what), "{error}");
         assert!(error.contains("set WAYLAND_DISPLAY or DISPLAY"), "{error}");

@@ -197,17 +197,6 @@ fn a_pipe_as_a_plate_file_is_refused_at_once_and_a_name_cannot_move_the_cursor()
     assert!(!message.contains('\u{1b}') && message.contains("bad\u{fffd}[2J.toml"), "{message}");
 }
 
-/// What the program says of these arguments when it opens no window: there is no display.
-#[cfg(all(feature = "gui", target_os = "linux"))]
-fn without_a_display(arguments: &[&str]) -> (String, Option<i32>) {
-    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_slipline"));
-    for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
-        command.env_remove(name);
-    }
-    let output = command.args(arguments).output().unwrap();
-    (String::from_utf8(output.stderr).unwrap(), output.status.code())
-}
-
 #[test]
 #[cfg(all(feature = "gui", target_os = "linux"))]
 fn a_file_and_a_port_are_for_the_window_and_a_commands_name_wins() {
@@ -217,7 +206,7 @@ fn a_file_and_a_port_are_for_the_window_and_a_commands_name_wins() {
     for opens in
         [&[plate][..], &["--port", "sim"], &[plate, "--port", "unix:/run/nowhere.sock"], &["--kiosk"], &[]]
     {
-        let (error, code) = without_a_display(opens);
+        let (error, code) = super::no_display::start(opens, &[]);
         assert!(code == Some(1) && error.contains("no display to open a window on"), "{opens:?}: {error}");
     }
     for (arguments, words) in [
@@ -227,7 +216,7 @@ fn a_file_and_a_port_are_for_the_window_and_a_commands_name_wins() {
         (&["--kiosk", "presets"], "--kiosk is for the window: it stands without a command"),
         (&["--port", "sim", "presets"], "FILE and --port before a command are for the window"),
     ] {
-        let (error, code) = without_a_display(arguments);
+        let (error, code) = super::no_display::start(arguments, &[]);
         assert!(code == Some(2) && error.contains(words), "{arguments:?}: {error}");
     }
     let presets = slipline(&["--json", "presets"]);

@@ -173,9 +173,7 @@ fn a_selftest_that_a_signal_ends_leaves_the_board_disarmed() {
 
     for (sent, name) in [("-INT", "interrupted.sock"), ("-KILL", "killed.sock")] {
         let served = Served::new(name, Options::default());
-        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_slipline"));
-        command.args(["selftest", "--port", &served.port]).stdout(std::process::Stdio::null());
-        let mut child = command.stderr(std::process::Stdio::null()).spawn().unwrap();
+        let mut child = super::piped(["selftest", "--port", &served.port]);
         std::thread::sleep(Duration::from_secs(1));
         super::signal(child.id(), sent);
         assert!(!child.wait().unwrap().success(), "{sent}");

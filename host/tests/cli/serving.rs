@@ -1,10 +1,10 @@
 //! A command that serves until it is ended by a signal.
 
-use super::signal;
+use super::{program, signal};
 use serde_json::Value;
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, ExitStatus, Stdio};
 
 /// A program that serves, and the line of JSON with which it began.
 pub(crate) struct Serving(pub(crate) Child, pub(crate) Value);
@@ -12,13 +12,8 @@ pub(crate) struct Serving(pub(crate) Child, pub(crate) Value);
 impl Serving {
     /// Begins in this folder.
     pub(crate) fn start(folder: &Path, arguments: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-            .arg("--json")
-            .args(arguments)
-            .current_dir(folder)
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let mut command = program(["--json"].iter().chain(arguments));
+        let mut child = command.current_dir(folder).stdout(Stdio::piped()).spawn().unwrap();
         let mut line = String::new();
         BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
         Self(child, serde_json::from_str(&line).unwrap())

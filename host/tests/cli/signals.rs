@@ -1,6 +1,6 @@
 //! A signal while a device is driven: the device is stopped and disarmed first.
 
-use super::{file, signal};
+use super::{file, piped, signal};
 use slipline_link::native::system_clock;
 use slipline_link::protocol::version::Minor;
 use slipline_link::protocol::{Command as Message, Decoder, Event};
@@ -11,7 +11,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixListener;
 use std::os::unix::process::ExitStatusExt as _;
 use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command};
 use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -112,13 +112,7 @@ impl Socket {
     /// Runs a command on it until its first drive is answered, and until it has `said` something if it says anything
     /// while it drives.
     fn driven_by(&self, arguments: &str, said: Option<&'static str>) -> Child {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-            .args(arguments.split(' '))
-            .args(["--port", &format!("unix:{}", self.path.display())])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let mut child = piped(format!("{arguments} --port unix:{}", self.path.display()).split(' '));
         let begun = Instant::now();
         while !self.line.lock().unwrap().is_answered {
             assert!(begun.elapsed() < HANG, "nothing is driven");

@@ -2,21 +2,16 @@
 
 use super::served::Served;
 use super::signals::Socket;
-use super::{json, words};
+use super::{json, piped, words};
 use slipline_link::protocol::{Command as Message, Event};
 use slipline_link::simulator::Options;
-use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 #[test]
 fn a_drive_at_the_trigger_waits_and_reports_where_it_began() {
     let served = Served::new("trigger.sock", Options::default());
-    let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-        .args("drive --json --plate membrane --turning-point 120mm --at trigger --for 50ms --port".split(' '))
-        .arg(&served.port)
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let drive = "drive --json --plate membrane --turning-point 120mm --at trigger --for 50ms --port";
+    let mut child = piped(drive.split(' ').chain([served.port.as_str()]));
     let begun = Instant::now();
     let (mut seen, mut raised_at) = (0, None);
     while child.try_wait().unwrap().is_none() {
@@ -54,11 +49,7 @@ fn a_device_without_a_trigger_input_is_not_armed_for_it() {
     let socket = Socket::serve_altered("no-trigger", without_trigger_input);
     let port = format!("unix:{}", socket.path.display());
     let drive = "drive --despite-no-profile --plate membrane --turning-point 120mm --at trigger --port";
-    let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-        .args(drive.split(' ').chain([port.as_str()]))
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = piped(drive.split(' ').chain([port.as_str()]));
     let is_armed = || socket.sent().iter().any(|sent| matches!(sent, Message::Arm | Message::ArmFor(_)));
     let begun = Instant::now();
     // It would wait without end.

@@ -57,17 +57,14 @@ fn a_change_of_the_speed_is_reported_watched_and_written() {
 #[test]
 #[cfg(unix)]
 fn a_watch_that_a_signal_ends_keeps_and_writes_what_it_found() {
+    use super::{piped, words};
+    use std::ffi::OsStr;
     use std::os::unix::process::ExitStatusExt as _;
-    use std::process::{Command, Stdio};
     let _running = super::Sensed::begin();
     let (plate, out) = (written("watched-plate.toml", &calibrated()), file("watched.toml"));
-    let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-        .args(["trim", "--json", "--port", "sim", "--sensor", "34mm", "--watch", "60min", "--plate"])
-        .arg(&plate)
-        .args(["--out".as_ref(), out.as_os_str()])
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let trim = words("trim --json --port sim --sensor 34mm --watch 60min --plate");
+    let trim = trim.into_iter().map(OsStr::new).chain([plate.as_ref(), "--out".as_ref(), out.as_os_str()]);
+    let mut child = piped(trim);
     // It is written first when the speed at the beginning is known.
     let begun = std::time::Instant::now();
     while !out.exists() {

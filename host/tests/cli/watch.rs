@@ -1,20 +1,15 @@
 //! `slipline watch`: status as lines of JSON, and nothing is armed.
 
-use super::signal;
 use super::signals::Socket;
+use super::{piped, signal};
 use serde_json::Value;
 use slipline_link::protocol::Command as Message;
 use std::io::{BufRead, BufReader};
-use std::process::{Child, Command, Stdio};
+use std::process::Child;
 
 /// It watches, and the lines that it prints.
 fn watching(socket: &Socket) -> (Child, impl Iterator<Item = Value>) {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-        .args(["watch", "--port", &format!("unix:{}", socket.path.display())])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = piped(["watch", "--port", &format!("unix:{}", socket.path.display())]);
     let lines = BufReader::new(child.stdout.take().unwrap()).lines();
     (child, lines.map(|line| serde_json::from_str(&line.unwrap()).unwrap()))
 }

@@ -27,10 +27,6 @@ impl SimulatedInputs for Heard {
         2
     }
 
-    fn delay_ns(&self) -> i32 {
-        0
-    }
-
     fn sample(&mut self, codes: &[u16; BLOCK as usize], _: bool, sensed: &mut [[u16; BLOCK as usize]; 2]) {
         sensed[0] = codes.map(|code| (code + MID) / 2);
         sensed[1] = [STUCK; BLOCK as usize];

@@ -4,7 +4,7 @@ use super::dialogue::Dialogue;
 use super::drive_checking::DriveChecking;
 use super::error::MeasureError;
 use super::measuring::Measuring;
-use super::procedure::Procedure;
+use super::procedure::{Evaluation, Procedure};
 use slipline_plate::calibrate::Measurement;
 
 /// Share of the check in the progress.
@@ -37,22 +37,17 @@ impl AfterCheck<Measuring> {
 }
 
 impl<P: Procedure> Procedure for AfterCheck<P> {
-    type Heard = P::Heard;
     type Found = P::Found;
 
-    async fn carry_out(self, dialogue: Dialogue) -> Result<P::Heard, MeasureError> {
+    async fn carry_out(self, dialogue: Dialogue) -> Result<Evaluation<P::Found>, MeasureError> {
         if let Some(checking) = self.checking {
             dialogue.part(0.0, SHARE, true);
-            let found = checking.carry_out(dialogue.clone()).await?;
+            let found = checking.carry_out(dialogue.clone()).await?()?;
             if !found.check.is_on() {
                 return Err(MeasureError::NotOn(found.check));
             }
             dialogue.part(SHARE, 1.0, false);
         }
         self.procedure.carry_out(dialogue).await
-    }
-
-    fn found(heard: P::Heard) -> Result<P::Found, MeasureError> {
-        P::found(heard)
     }
 }

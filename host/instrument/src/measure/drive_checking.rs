@@ -12,7 +12,7 @@ use super::error::MeasureError;
 use super::images::Bandwidths;
 use super::measuring::Measuring;
 use super::plan::Plan;
-use super::procedure::Procedure;
+use super::procedure::{Evaluation, Procedure, evaluated};
 use slipline_link::DeviceTable;
 use slipline_link::protocol::listen::InputsReport;
 use slipline_plate::Plate;
@@ -119,13 +119,12 @@ impl DriveChecking {
 }
 
 impl Procedure for DriveChecking {
-    type Heard = CheckedDrive;
     type Found = CheckedDrive;
 
-    async fn carry_out(self, dialogue: Dialogue) -> Result<CheckedDrive, MeasureError> {
+    async fn carry_out(self, dialogue: Dialogue) -> Result<Evaluation<CheckedDrive>, MeasureError> {
         let mut effort = Effort::FIRST;
         loop {
-            let measured = self.measuring(effort)?.carry_out(dialogue.clone()).await?;
+            let measured = self.measuring(effort)?.carry_out(dialogue.clone()).await?()?;
             let current =
                 Measurement { unit_per_response: Some(self.drive.full_scale_a), ..measured.measurement };
             let check = check_drive(&self.plate, &self.drive.circuit, &current)?;
@@ -134,12 +133,8 @@ impl Procedure for DriveChecking {
             {
                 effort = more;
             } else {
-                return Ok(CheckedDrive { check, current, level: effort.level });
+                return Ok(evaluated(CheckedDrive { check, current, level: effort.level }));
             }
         }
-    }
-
-    fn found(checked: CheckedDrive) -> Result<CheckedDrive, MeasureError> {
-        Ok(checked)
     }
 }

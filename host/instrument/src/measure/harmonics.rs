@@ -19,13 +19,13 @@ use super::answers::{Sensor, Window};
 use super::dialogue::Dialogue;
 use super::error::MeasureError;
 use super::loudness::Tone;
-use super::measuring::{SILENT_DB, listen, windowed};
+use super::measuring::{listened, sounding, windowed};
 use super::plan::Comb;
-use super::procedure::Procedure;
-use super::setback::{Tries, is_late};
+use super::procedure::{Evaluation, Procedure, evaluated};
+use super::setback::Tries;
 use drive_of_codes::Received;
+use slipline_link::DeviceTable;
 use slipline_link::protocol::listen::InputsReport;
-use slipline_link::{CombRequest, DeviceTable, HarmonicRequest, Outcome, Request, Sounding};
 use slipline_plate::{Harmonics, Plate};
 use std::sync::Arc;
 
@@ -76,14 +76,14 @@ impl MeasuringHarmonics {
     }
 
     /// The tones of a comb.
-    fn tones(&self, comb: &Comb, loud: Loud) -> Vec<Tone> {
+    fn tones(&self, comb: &Comb, loud: Loud, scale: f64) -> Vec<Tone> {
         let rate_hz = self.plan.rate_hz;
         let tone = |(slot, frequency_hz): (usize, f64)| {
             let level = match (loud, slot) {
-                (Loud::Fundamental, 0) => self.plan.level * self.scale,
+                (Loud::Fundamental, 0) => self.plan.level * scale,
                 // The silent level of the whole comb makes them silent.
-                (Loud::Nothing, _) => UPPER.min(self.plan.level) * self.scale,
-                (Loud::Upper, 1..) => UPPER.min(self.plan.level) * self.scale,
+                (Loud::Nothing, _) => UPPER.min(self.plan.level) * scale,
+                (Loud::Upper, 1..) => UPPER.min(self.plan.level) * scale,
                 _ => LEAST,
             };
             let amplitude = level * self.table.gain_of_turns(frequency_hz / rate_hz);
@@ -99,19 +99,11 @@ impl MeasuringHarmonics {
         let mut tries = Tries::default();
         loop {
             dialogue.stop().await?;
-            let (tones, at) = loop {
-                let tones = self.tones(comb, loud);
-                let begun = dialogue.ask(sound(comb, &tones, loud)).await;
-                if let Outcome::Done { at } = begun {
-                    break (tones, at);
-                }
-                self.scale *= tries.quieter(&begun)?;
-            };
-            let from = Some(at + until_window);
-            let mut heard = dialogue.ask(listen(comb, self.sensor.input, from, 1)).await;
-            if is_late(&heard) {
-                heard = dialogue.ask(listen(comb, self.sensor.input, None, 1)).await;
-            }
+            let (is_silent, mut scale) = (loud == Loud::Nothing, self.scale);
+            let tones = |scale| self.tones(comb, loud, scale);
+            let (tones, at) = sounding(dialogue, comb, is_silent, &mut tries, &mut scale, tones).await?;
+            self.scale = scale;
+            let heard = listened(dialogue, comb, self.sensor.input, Some(at + until_window), 1).await;
             match windowed(comb, 1, &tones, &heard)? {
                 Some(window) if window.is_clipped() => return Err(MeasureError::Clipped),
                 Some(window) => return Ok(window),
@@ -121,24 +113,10 @@ impl MeasuringHarmonics {
     }
 }
 
-fn sound(comb: &Comb, tones: &[Tone], loud: Loud) -> Request {
-    let tones = comb.harmonics.iter().zip(tones).map(|(&harmonic, tone)| HarmonicRequest {
-        harmonic,
-        level: tone.level,
-        phase_turns: tone.phase_turns,
-    });
-    Request::Play(Sounding::Comb(CombRequest {
-        master_db: if loud == Loud::Nothing { SILENT_DB } else { 0.0 },
-        glide_s: comb.rise_s,
-        ..CombRequest::of(comb.period_blocks, tones.collect())
-    }))
-}
-
 impl Procedure for MeasuringHarmonics {
-    type Heard = MeasuredHarmonics;
     type Found = MeasuredHarmonics;
 
-    async fn carry_out(mut self, dialogue: Dialogue) -> Result<MeasuredHarmonics, MeasureError> {
+    async fn carry_out(mut self, dialogue: Dialogue) -> Result<Evaluation<MeasuredHarmonics>, MeasureError> {
         self.scale = dialogue.linear_scale(self.plan.level);
         let combs = self.plan.combs.clone();
         let all = 2 * combs.len() as u64 + 1;
@@ -156,9 +134,6 @@ impl Procedure for MeasuringHarmonics {
         }
         dialogue.stop().await?;
         MeasuredHarmonics::of(&self.plate, self.plan.rate_hz, self.plan.level, &quiet, &received)
-    }
-
-    fn found(measured: MeasuredHarmonics) -> Result<MeasuredHarmonics, MeasureError> {
-        Ok(measured)
+            .map(evaluated)
     }
 }

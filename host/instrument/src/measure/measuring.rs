@@ -12,7 +12,7 @@ use super::dialogue::Dialogue;
 use super::error::MeasureError;
 use super::loudness::{self, Tone};
 use super::plan::{Comb, Plan};
-use super::procedure::Procedure;
+use super::procedure::{Evaluation, Procedure, evaluated};
 use super::setback::{Tries, is_late};
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{
@@ -90,22 +90,14 @@ impl Measuring {
         loop {
             dialogue.mark(done, self.plan.samples(), None);
             dialogue.stop().await?;
-            let (tones, at) = loop {
-                let level = self.plan.level * self.scale;
-                let tones = loudness::tones(comb, &self.table, self.plan.rate_hz, level);
-                let begun = dialogue.ask(self.sound(comb, &tones)).await;
-                if let Outcome::Done { at } = begun {
-                    break (tones, at);
-                }
-                self.scale *= tries.quieter(&begun)?;
-            };
+            let Self { plan, table, scale, .. } = self;
+            let tones = |scale| loudness::tones(comb, &*table, plan.rate_hz, plan.level * scale);
+            let is_silent = self.quiet.is_none();
+            let (tones, at) = sounding(dialogue, comb, is_silent, &mut tries, scale, tones).await?;
             let running = (at, until_window + comb.window_samples());
             dialogue.mark(done, self.plan.samples(), Some(running));
-            let mut heard = dialogue.ask(self.listen(comb, Some(at + until_window), 1)).await;
-            if is_late(&heard) {
-                // All tones had settled at the missed sample, so they have now.
-                heard = dialogue.ask(self.listen(comb, None, 1)).await;
-            }
+            let input = self.sensor.input;
+            let mut heard = listened(dialogue, comb, input, Some(at + until_window), 1).await;
             let Some(mut window) = windowed(comb, 1, &tones, &heard)? else {
                 tries.lost(&heard)?;
                 continue;
@@ -114,7 +106,7 @@ impl Measuring {
             let further = wanted.min(self.plan.windows_of(comb)) - 1;
             if further > 0 {
                 // Its time is not in the plan: the progress waits.
-                heard = dialogue.ask(self.listen(comb, None, further)).await;
+                heard = listened(dialogue, comb, input, None, further).await;
                 let Some(second) = windowed(comb, further, &tones, &heard)? else {
                     tries.lost(&heard)?;
                     continue;
@@ -124,35 +116,59 @@ impl Measuring {
             return Ok(window);
         }
     }
+}
 
-    fn sound(&self, comb: &Comb, tones: &[Tone]) -> Request {
-        let tones = comb.harmonics.iter().zip(tones).map(|(&harmonic, tone)| HarmonicRequest {
+/// Plays a comb, at the silent level or as loud as the actuator's travel allows; `scale` falls until the device takes it. Returns its
+/// tones and the sample at which they begin.
+pub(super) async fn sounding(
+    dialogue: &Dialogue,
+    comb: &Comb,
+    is_silent: bool,
+    tries: &mut Tries,
+    scale: &mut f64,
+    tones: impl Fn(f64) -> Vec<Tone>,
+) -> Result<(Vec<Tone>, u64), MeasureError> {
+    loop {
+        let tones = tones(*scale);
+        let harmonics = comb.harmonics.iter().zip(&tones).map(|(&harmonic, tone)| HarmonicRequest {
             harmonic,
             level: tone.level,
             phase_turns: tone.phase_turns,
         });
-        Request::Play(Sounding::Comb(CombRequest {
-            master_db: if self.quiet.is_none() { SILENT_DB } else { 0.0 },
+        let comb = CombRequest {
+            master_db: if is_silent { SILENT_DB } else { 0.0 },
             glide_s: comb.rise_s,
-            ..CombRequest::of(comb.period_blocks, tones.collect())
-        }))
-    }
-
-    fn listen(&self, comb: &Comb, from: Option<u64>, windows: u16) -> Request {
-        listen(comb, self.sensor.input, from, windows)
+            ..CombRequest::of(comb.period_blocks, harmonics.collect())
+        };
+        let begun = dialogue.ask(Request::Play(Sounding::Comb(comb))).await;
+        if let Outcome::Done { at } = begun {
+            return Ok((tones, at));
+        }
+        *scale *= tries.quieter(&begun)?;
     }
 }
 
-/// Requests this number of windows as one at an input, from a sample on; with `None`, from now on.
-pub(super) fn listen(comb: &Comb, input: u8, from: Option<u64>, windows: u16) -> Request {
-    Request::Listen(ListenRequest {
-        from,
-        blocks: windows * comb.period_blocks,
-        shape: WindowShape::Rectangular,
-        // One bit per tone, 16 at most.
-        slots: u16::MAX >> (16 - comb.harmonics.len().clamp(1, 16)),
-        input,
-    })
+/// Listens to this number of windows as one at an input, from a sample on. Where that has passed, or with `None`, from now on: all
+/// tones that had settled at a missed sample have settled now.
+pub(super) async fn listened(
+    dialogue: &Dialogue,
+    comb: &Comb,
+    input: u8,
+    from: Option<u64>,
+    windows: u16,
+) -> Outcome {
+    let listen = |from| {
+        Request::Listen(ListenRequest {
+            from,
+            blocks: windows * comb.period_blocks,
+            shape: WindowShape::Rectangular,
+            // One bit per tone, 16 at most.
+            slots: u16::MAX >> (16 - comb.harmonics.len().clamp(1, 16)),
+            input,
+        })
+    };
+    let heard = dialogue.ask(listen(from)).await;
+    if is_late(&heard) { dialogue.ask(listen(None)).await } else { heard }
 }
 
 /// This number of windows as one, from an outcome; `None` if it has none.
@@ -173,10 +189,9 @@ pub(super) fn windowed(
 }
 
 impl Procedure for Measuring {
-    type Heard = Measured;
     type Found = Measured;
 
-    async fn carry_out(mut self, dialogue: Dialogue) -> Result<Measured, MeasureError> {
+    async fn carry_out(mut self, dialogue: Dialogue) -> Result<Evaluation<Measured>, MeasureError> {
         self.scale = dialogue.linear_scale(self.plan.level);
         while let Some(comb) = self.plan.combs.get(self.windows.len()).cloned() {
             let window = self.window(&dialogue, &comb).await?;
@@ -191,11 +206,7 @@ impl Procedure for Measuring {
         dialogue.stop().await?;
         let measured = self.measured(self.quiet.as_ref().ok_or(MeasureError::Cancelled)?);
         measured.measurement.check()?;
-        Ok(measured)
-    }
-
-    fn found(measured: Measured) -> Result<Measured, MeasureError> {
-        Ok(measured)
+        Ok(evaluated(measured))
     }
 }
 

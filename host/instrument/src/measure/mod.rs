@@ -45,6 +45,7 @@ pub(crate) use images::images;
 pub use images::{BANDWIDTH, Bandwidths};
 pub use measuring::Measuring;
 pub use plan::{Comb, LEVEL, POINTS, Plan, SETTLED, Wanted};
+pub(crate) use procedure::{Evaluation, evaluated};
 pub use procedure::{NextStep, Procedure, Run};
 pub use prompt::Prompt;
 pub(crate) use remaining::remaining_samples;

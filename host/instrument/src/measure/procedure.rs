@@ -11,26 +11,33 @@ use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll, Waker};
 
+/// The evaluation of a device's outcomes. It may take seconds; the device is silent by then.
+pub(crate) type Evaluation<T> = Box<dyn FnOnce() -> Result<T, MeasureError>>;
+
+/// A procedure that is carried out.
+type Course<T> = Pin<Box<dyn Future<Output = Result<Evaluation<T>, MeasureError>>>>;
+
+/// The evaluation of what is known already.
+pub(crate) fn evaluated<T: 'static>(found: T) -> Evaluation<T> {
+    Box::new(|| Ok(found))
+}
+
 /// A sequence of requests to a device, without a clock and without a port.
 pub trait Procedure: 'static {
-    /// The recorded outcomes of the device.
-    type Heard;
     /// Its result.
-    type Found;
+    type Found: 'static;
     /// Whether faults of the device do not end it, because it looks at them itself. The link's snapshots are kept for it.
     const BEARS_FAULTS: bool = false;
 
-    /// Sends its requests, the last of which is a stop. After an error [`Run`] sends that stop.
+    /// Sends its requests, the last of which is a stop, and returns how their outcomes are evaluated. After an error [`Run`] sends
+    /// that stop.
     ///
     /// # Errors
-    /// [`MeasureError`]: why it cannot continue.
-    fn carry_out(self, dialogue: Dialogue) -> impl Future<Output = Result<Self::Heard, MeasureError>>;
-
-    /// Evaluates the outcomes. This may take seconds; the device is silent by then.
-    ///
-    /// # Errors
-    /// [`MeasureError`]: why they give no result.
-    fn found(heard: Self::Heard) -> Result<Self::Found, MeasureError>;
+    /// [`MeasureError`]: why it cannot continue; of the evaluation, why the outcomes give no result.
+    fn carry_out(
+        self,
+        dialogue: Dialogue,
+    ) -> impl Future<Output = Result<Evaluation<Self::Found>, MeasureError>>;
 }
 
 /// The next step.
@@ -63,13 +70,13 @@ enum Stage {
 /// ```
 pub struct Run<P: Procedure> {
     dialogue: Dialogue,
-    course: Pin<Box<dyn Future<Output = Result<P::Heard, MeasureError>>>>,
+    course: Course<P::Found>,
     stage: Stage,
     is_asked: bool,
     awaited: Option<Ticket>,
     /// The request whose outcome is awaited while others are sent.
     begun: Option<Ticket>,
-    heard: Option<P::Heard>,
+    heard: Option<Evaluation<P::Found>>,
     error: Option<MeasureError>,
 }
 
@@ -248,7 +255,7 @@ impl<P: Procedure> Run<P> {
     pub fn finish(self) -> Result<P::Found, MeasureError> {
         match self.error {
             Some(error) => Err(error),
-            None => self.heard.map_or(Err(MeasureError::Cancelled), P::found),
+            None => self.heard.map_or(Err(MeasureError::Cancelled), |evaluate| evaluate()),
         }
     }
 }

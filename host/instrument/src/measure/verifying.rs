@@ -6,7 +6,7 @@
 
 use super::dialogue::Dialogue;
 use super::error::MeasureError;
-use super::procedure::Procedure;
+use super::procedure::{Evaluation, Procedure, evaluated};
 use super::setback::ended_by;
 use serde::Serialize;
 use slipline_link::protocol::command::DigestWindow;
@@ -55,6 +55,7 @@ impl Stage {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verified {
     /// Whether the codes of all windows are equal.
+    // JSON, true or false: Whether the codes of device and mirror are equal
     pub equal: bool,
     /// The windows, in their order.
     pub windows: Vec<VerifiedWindow>,
@@ -64,14 +65,19 @@ pub struct Verified {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VerifiedWindow {
     /// The kind of change within it.
+    // JSON, text: Kind of change within the window
     pub stage: &'static str,
     /// Its first sample.
+    // JSON: Index of the first sample
     pub at_samples: u64,
     /// Its length.
+    // JSON, count: Number of samples
     pub samples: u32,
     /// CRC-32 of the device's codes in hexadecimal; `None` if the device has none.
+    // JSON, text: CRC-32 of the codes by the device; null if it gave none
     pub device_crc: Option<String>,
     /// CRC-32 of the mirror's codes.
+    // JSON, text: CRC-32 of the codes by the mirror
     pub mirror_crc: String,
     /// Whether they are equal.
     pub equal: bool,
@@ -168,10 +174,9 @@ impl Verifying {
 }
 
 impl Procedure for Verifying {
-    type Heard = Vec<VerifiedWindow>;
     type Found = Verified;
 
-    async fn carry_out(self, dialogue: Dialogue) -> Result<Self::Heard, MeasureError> {
+    async fn carry_out(self, dialogue: Dialogue) -> Result<Evaluation<Verified>, MeasureError> {
         dialogue.replay(self.samples(self.window_s + KEPT_BEHIND_S));
         dialogue.stop().await?;
         dialogue.past(dialogue.now() + self.samples(REST_S)).await?;
@@ -181,11 +186,7 @@ impl Procedure for Verifying {
             windows.push(self.window(stage, &dialogue).await?);
         }
         dialogue.stop().await?;
-        Ok(windows)
-    }
-
-    fn found(windows: Self::Heard) -> Result<Verified, MeasureError> {
-        Ok(Verified { equal: windows.iter().all(|window| window.equal), windows })
+        Ok(evaluated(Verified { equal: windows.iter().all(|window| window.equal), windows }))
     }
 }
 

@@ -85,32 +85,42 @@ impl Trimming {
 
 /// The fields of `slipline trim --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct TrimAnswer<'a> {
+    /// Name of the plate.
     pub plate: &'a str,
+    /// Place of the sensor.
     pub place_m: f64,
+    /// The wave speed at the beginning.
     pub begin: TrimmedAnswer,
+    /// Those that were found later.
     pub later: Vec<LaterAnswer>,
+    /// Largest error of turning points by the file before.
     pub turning_point_error_m: f64,
+    /// time, stop or input (of --stdin), or the signal that ended it.
     pub ended_by: &'a str,
+    /// A caution that no measurement reveals and the user must check.
     pub caution: Option<String>,
 }
 
 /// The fields of one measured speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct TrimmedAnswer {
+    /// JSON, 1: Wave speed over that of the file
     pub wave_speed_share: f64,
+    /// JSON of trim, 1: Lower end of the 95 % interval of the wave speed
     pub low: f64,
+    /// JSON of trim, 1: Upper end of the 95 % interval of the wave speed
     pub high: f64,
+    /// Square of the deviation per answer, in units of its noise.
     pub chi2_per_n: f64,
 }
 
 /// The fields of a later one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct LaterAnswer {
+    /// JSON: Time since the first measurement
     pub after_s: f64,
+    /// The wave speed then.
     #[serde(flatten)]
     pub now: TrimmedAnswer,
 }

@@ -8,26 +8,37 @@ use slipline_plate::{Harmonics, Plate, PlateError, PlateSpec};
 
 /// The fields of `slipline measure --harmonics --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct HarmonicsAnswer {
+    /// Name of the plate.
     pub plate: String,
+    /// JSON: Place of the sensor
     pub place_m: f64,
+    /// JSON, text: What the sensor measures: displacement, velocity, acceleration or strain; null of a current
     pub kind: &'static str,
+    /// JSON, 1: Level of the tones at which the harmonics were measured, over the table's full scale
     pub harmonic_level: f64,
+    /// The second and the third harmonic.
     pub harmonics: [HarmonicAnswer; 2],
+    /// JSON, text: Warnings, as sentences
     pub warnings: Vec<String>,
+    /// The plate file with the harmonics.
     pub toml: String,
 }
 
 /// One harmonic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct HarmonicAnswer {
+    /// JSON, count: Frequency of the harmonic over that of its tone
     pub order: u8,
+    /// Frequency of the tone or of each answer.
     pub frequency_hz: Vec<f64>,
+    /// JSON: Harmonic of the drive over its fundamental
     pub ratio_db: Vec<f64>,
+    /// JSON, degrees: By how much the harmonic leads `order` times the fundamental's phase
     pub lead_deg: Vec<f64>,
+    /// JSON, 1: Largest standard deviation of the harmonic over its fundamental, by the noise of the input
     pub ratio_noise: f64,
+    /// JSON, count: Frequencies at which the sensor does not receive the harmonic's frequency clearly, which are left out
     pub unclear: usize,
 }
 

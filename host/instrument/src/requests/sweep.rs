@@ -6,15 +6,22 @@ use slipline_plate::Plate;
 
 /// The fields of `slipline sweep --json`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct SweepAnswer<'a> {
+    /// Name of the plate.
     pub plate: &'a str,
+    /// Sample rate.
     pub sample_rate_hz: f64,
+    /// JSON: Frequency at the beginning of the sweep
     pub first_hz: f64,
+    /// JSON: Frequency at the end of the sweep
     pub last_hz: f64,
+    /// JSON, 1: Levels of the two sweeps, 0 to 1 of full scale
     pub levels: [f64; 2],
+    /// JSON: Time of one sweep
     pub sweep_s: f64,
+    /// JSON: From the beginning of the first sweep to that of the second
     pub apart_s: f64,
+    /// JSON: Time of both sweeps with the silence between them
     pub played_s: f64,
 }
 

@@ -5,7 +5,7 @@ use super::limits::step;
 use super::report::{SelftestReport, StepResult};
 use super::request::SelftestRequest;
 use super::verdict::Verdict;
-use crate::measure::{Dialogue, MeasureError, Procedure};
+use crate::measure::{Dialogue, Evaluation, MeasureError, Procedure, evaluated};
 use slipline_link::protocol::board::{BoardReport, PinLevel, UserButton};
 use slipline_link::{Request, Snapshot};
 
@@ -33,11 +33,10 @@ const NO_AMPLIFIER: &str = "The amplifier is tested by itself, once all else has
 const PLUGGED: &str = "It takes the mute pin high: unplug the amplifier first (--amplifier-unplugged).";
 
 impl Procedure for Selftesting {
-    type Heard = SelftestReport;
     type Found = SelftestReport;
     const BEARS_FAULTS: bool = true;
 
-    async fn carry_out(self, dialogue: Dialogue) -> Result<SelftestReport, MeasureError> {
+    async fn carry_out(self, dialogue: Dialogue) -> Result<Evaluation<SelftestReport>, MeasureError> {
         dialogue.done(Request::Refresh).await?;
         // The answer to this request is the first that counts.
         dialogue.forget_slowest();
@@ -47,11 +46,7 @@ impl Procedure for Selftesting {
         if !faults.is_empty() {
             return Err(MeasureError::StandingFault(faults.to_string()));
         }
-        course.carry_out().await
-    }
-
-    fn found(report: SelftestReport) -> Result<SelftestReport, MeasureError> {
-        Ok(report)
+        course.carry_out().await.map(evaluated)
     }
 }
 

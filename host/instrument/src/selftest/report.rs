@@ -9,14 +9,19 @@ use slipline_plate::quantity::number_format::significant;
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Reading {
     /// The quantity.
+    // JSON of selftest, text: What was measured
     pub quantity: String,
     /// The number.
+    // JSON of selftest, in `value_unit`: The number
     pub value: f64,
     /// Its unit; empty for a pure number or a count.
+    // JSON, text: Unit of `value` and of its limits; empty for a pure number or a count
     pub value_unit: String,
     /// The lowest allowed number; `None` without such a limit.
+    // JSON, in `value_unit`: The lowest allowed number; null without such a limit
     pub at_least: Option<f64>,
     /// The highest allowed number; `None` without such a limit.
+    // JSON, in `value_unit`: The highest allowed number; null without such a limit
     pub at_most: Option<f64>,
 }
 
@@ -70,12 +75,15 @@ fn with_unit(value: f64, unit: &str) -> String {
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct StepResult {
     /// Its name; the same words for every board.
+    // JSON, text: Name
     pub name: String,
     /// Its result.
+    // JSON, text: green, amber, red, or skipped where the step is not shown
     pub verdict: Verdict,
     /// Its numbers.
     pub readings: Vec<Reading>,
     /// What the result means; of a skipped step, what is missing.
+    // JSON of selftest, text: What the result means; of a skipped step, what is missing
     pub sentence: String,
 }
 
@@ -138,6 +146,7 @@ pub struct SelftestReport {
     /// The board's name.
     pub board: String,
     /// Number of this device.
+    // JSON of selftest, text: Number of this device
     pub unit: String,
     /// The firmware's version.
     pub firmware: String,
@@ -146,10 +155,13 @@ pub struct SelftestReport {
     /// Whether the device is simulated.
     pub simulated: bool,
     /// The wires that were fitted, by their names.
+    // JSON of selftest, text: The wires that were fitted, as --wire takes them
     pub wires: Vec<String>,
     /// Whether it was a short test.
+    // JSON of selftest, true or false: Whether it was a short test
     pub short: bool,
     /// CRC-32 over the digests of the compared windows of codes, in hexadecimal; `None` where none were compared.
+    // JSON, text: CRC-32 over the digests of the compared codes, eight hexadecimal digits; null where none were compared
     pub codes_crc: Option<String>,
     /// The steps, always in the same order.
     pub steps: Vec<StepResult>,

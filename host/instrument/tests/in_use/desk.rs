@@ -254,14 +254,6 @@ impl FaultyWire {
 }
 
 impl SimulatedInputs for FaultyWire {
-    fn inputs(&self) -> usize {
-        1
-    }
-
-    fn delay_ns(&self) -> i32 {
-        0
-    }
-
     fn sample(&mut self, codes: &[u16; 128], muted: bool, sensed: &mut [[u16; 128]; 2]) {
         self.blocks.push_back(*codes);
         let late = if self.blocks.len() > self.late_blocks { self.blocks.pop_front() } else { None };

@@ -83,24 +83,6 @@ fn orders(session: &Session) -> (usize, usize) {
 }
 
 #[test]
-fn it_listens_holds_and_says_what_a_finger_takes() {
-    let (mut session, shows) = sensed();
-    assert!(!is_on(&session));
-    switch(&mut session, true);
-    wait_for(&mut session, "Listening for ");
-    assert!(standing(&session).contains("leave the plate untouched") && is_on(&session));
-    wait_for(&mut session, "Holding: the plate may be touched");
-    shows.store(Partial::TOUCHED, Ordering::Relaxed);
-    wait_for_tone(&mut session, 6.0, "held");
-    orders(&session);
-    switch(&mut session, false);
-    session.pass(300);
-    assert!(!is_on(&session) && standing(&session) == "Off" && session.is_driving());
-    assert_eq!(orders(&session), (0, 1));
-    assert!(!session.instrument.drive.snapshot().is_holding());
-}
-
-#[test]
 fn a_drag_ends_it_and_where_the_line_rests_it_restarts() {
     let (mut session, _) = held();
     session.attention.is_dragging = true;
@@ -202,6 +184,8 @@ fn the_largest_rise_is_reported_as_a_limit() {
     shows.store(Partial::TOUCHED, Ordering::Relaxed);
     wait_for(&mut session, "Holding, at a limit");
     wait_for_tone(&mut session, 3.0, "at the largest rise that is allowed");
+    shows.store(Partial::FREE, Ordering::Relaxed);
+    wait_for(&mut session, "Holding: the plate may be touched");
 }
 
 #[test]

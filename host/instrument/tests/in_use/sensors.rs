@@ -8,14 +8,6 @@ use std::sync::atomic::{AtomicU16, Ordering};
 pub(crate) struct Half(pub(crate) u64);
 
 impl SimulatedInputs for Half {
-    fn inputs(&self) -> usize {
-        1
-    }
-
-    fn delay_ns(&self) -> i32 {
-        0
-    }
-
     fn sample(&mut self, codes: &[u16; 128], muted: bool, sensed: &mut [[u16; 128]; 2]) {
         for (sensed, &code) in sensed[0].iter_mut().zip(codes) {
             // Knuth's MMIX generator.
@@ -33,10 +25,6 @@ pub(crate) struct NoCurrent(pub(crate) Half);
 impl SimulatedInputs for NoCurrent {
     fn inputs(&self) -> usize {
         2
-    }
-
-    fn delay_ns(&self) -> i32 {
-        0
     }
 
     fn sample(&mut self, codes: &[u16; 128], muted: bool, sensed: &mut [[u16; 128]; 2]) {
@@ -69,14 +57,6 @@ impl Partial {
 }
 
 impl SimulatedInputs for Partial {
-    fn inputs(&self) -> usize {
-        1
-    }
-
-    fn delay_ns(&self) -> i32 {
-        0
-    }
-
     fn sample(&mut self, codes: &[u16; 128], muted: bool, sensed: &mut [[u16; 128]; 2]) {
         let shows = i32::from(self.shows.load(Ordering::Relaxed));
         for (sensed, &code) in sensed[0].iter_mut().zip(codes) {

@@ -118,15 +118,15 @@ impl CommandQueue {
                 return self.refused(&task, &command, Refusal::Device(refusal), recorder);
             }
             Event::Maintenance(reported) => recorder.take(task.ticket, |it| it.maintenance(reported)),
-            Event::Wear(reported) => recorder.take(task.ticket, |it| it.wear(reported)),
+            Event::Wear(reported) => recorder.take(task.ticket, |it| it.view.device.wear = Some(reported)),
             Event::Profile(reported) => recorder.take(task.ticket, |it| it.profile(reported)),
             Event::Board(reported) => recorder.take(task.ticket, |it| it.board(reported)),
             Event::Analogue(reported) => recorder.take(task.ticket, |it| it.analogue(reported)),
             Event::MutePin(reported) => {
-                recorder.take(task.ticket, |it| it.mute_pin(reported));
+                recorder.take(task.ticket, |it| it.view.device.mute_pin = Some(reported));
                 self.status_stale = true;
             }
-            Event::Clock(reported) => recorder.take(task.ticket, |it| it.clock(reported)),
+            Event::Clock(reported) => recorder.take(task.ticket, |it| it.view.device.clock = Some(reported)),
             Event::BrownOut(reported) => recorder.take(task.ticket, |it| it.brown_out(reported)),
             Event::Table(report) => {
                 recorder.table(report);

@@ -41,72 +41,21 @@ impl Job {
         matches!(self, Self::DigestRead | Self::ListenRead(_) | Self::CaptureRead(_) | Self::HoldRead)
     }
 
-    /// Whether this stop, emergency stop or disarm undoes it.
+    /// Whether this stop, emergency stop or disarm undoes it; nothing but an emergency stop undoes what arms.
     pub(super) const fn yields_to(&self, stop: &Command) -> bool {
-        match self {
-            Self::Send(command) => is_undone_by(command, stop),
-            Self::Play(_) | Self::Hold(_) => true,
-            Self::ArmUnasked => matches!(stop, Command::EmergencyStop),
-            Self::Listen(_)
-            | Self::Capture(_)
-            | Self::BeginUpload(_)
-            | Self::CancelUpload
-            | Self::DigestRead
-            | Self::ListenRead(_)
-            | Self::CaptureRead(_)
-            | Self::HoldRead
-            | Self::FirstReadBack => false,
-        }
-    }
-}
-
-/// Whether a stop, an emergency stop or a disarm undoes this command.
-const fn is_undone_by(command: &Command, stop: &Command) -> bool {
-    match command {
-        // These have jobs of their own; sent as plain commands they would sound, too.
-        Command::Drive(_) | Command::Chord(_) | Command::Comb(_) | Command::Hold(_) => true,
-        Command::Arm | Command::ArmFor(_) | Command::Bench(_) | Command::ClearFaults => {
-            matches!(stop, Command::EmergencyStop)
-        }
-        // They neither sound nor arm.
-        Command::Hello(_)
-        | Command::KeepAlive(_)
-        | Command::Status
-        | Command::Maintenance
-        | Command::Board
-        | Command::Profile
-        | Command::Wear
-        | Command::Analogue
-        | Command::MutePin(_)
-        | Command::Clock
-        | Command::Stall
-        | Command::WriteProfile(_)
-        | Command::BrownOut(_)
-        | Command::Disarm
-        | Command::Stop
-        | Command::EmergencyStop
-        | Command::SetTravelLimit(_)
-        | Command::TravelLimit
-        | Command::Trigger
-        | Command::TableBegin(_)
-        | Command::TableChunk(_)
-        | Command::TableCommit
-        | Command::TableAbort
-        | Command::TableDigest
-        | Command::DigestStart(_)
-        | Command::DigestRead
-        | Command::Store
-        | Command::Forget
-        | Command::BootloaderToken
-        | Command::BootloaderEnter(_)
-        | Command::Inputs
-        | Command::Listen(_)
-        | Command::ListenRead(_)
-        | Command::ListenStop
-        | Command::Capture(_)
-        | Command::CaptureRead(_)
-        | Command::CaptureStop
-        | Command::HoldRead => false,
+        let arms = matches!(
+            self,
+            Self::ArmUnasked
+                | Self::Send(Command::Arm | Command::ArmFor(_) | Command::Bench(_) | Command::ClearFaults)
+        );
+        // What sounds has jobs of its own; sent as a plain command it would sound, too.
+        let sounds = matches!(
+            self,
+            Self::Play(_)
+                | Self::Hold(_)
+                | Self::Send(Command::Drive(_) | Command::Chord(_) | Command::Comb(_) | Command::Hold(_))
+        );
+        sounds || arms && matches!(stop, Command::EmergencyStop)
     }
 }
 

@@ -18,14 +18,6 @@ const RING_BLOCKS: usize = 4;
 /// struct Wire;
 ///
 /// impl SimulatedInputs for Wire {
-///     fn inputs(&self) -> usize {
-///         1
-///     }
-///
-///     fn delay_ns(&self) -> i32 {
-///         0
-///     }
-///
 ///     fn sample(&mut self, codes: &[u16; 128], _muted: bool, sensed: &mut [[u16; 128]; 2]) {
 ///         sensed[0] = *codes;
 ///     }
@@ -36,13 +28,17 @@ const RING_BLOCKS: usize = 4;
 /// ```
 pub trait SimulatedInputs: Send {
     /// Number of inputs, constant: 0 none, 1 the sensor, 2 the sensor and the drive current's shunt, in this
-    /// order.
-    fn inputs(&self) -> usize;
+    /// order. 1 where it is not stated.
+    fn inputs(&self) -> usize {
+        1
+    }
 
     /// Time from DAC code `n` at its pin to the sampling of ADC code `n`, in nanoseconds, constant, as
     /// [`SenseStream::delay_ns`](slipline_app::ports::SenseStream::delay_ns) states it.
-    /// [`sample`](Self::sample) must include this delay; filters outside the chip add theirs.
-    fn delay_ns(&self) -> i32;
+    /// [`sample`](Self::sample) must include this delay; filters outside the chip add theirs. 0 where it is not stated.
+    fn delay_ns(&self) -> i32 {
+        0
+    }
 
     /// Samples one block. `codes` are those at the DAC's pin, which a late block turns into a ramp to
     /// mid-scale; `muted` is the state of the amplifier. Each row of `sensed` must be filled with 12-bit

@@ -170,20 +170,32 @@ impl CalibrationReport {
 
 /// The fields of `slipline calibrate --json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct CalibrateAnswer<'a> {
+    /// Name of the plate.
     pub plate: &'a str,
+    /// JSON, true or false: Whether the calibration is accepted; if not, `reason` says why
     pub accepted: bool,
+    /// JSON, text: Why the calibration is refused; null if it is accepted
     pub reason: Option<String>,
+    /// JSON, text: The way: two places, two places and a check, one sensor, current or touches
     pub by: Option<&'static str>,
+    /// The fitted parameters, each with its interval.
     pub parameters: &'a [Parameter],
+    /// JSON, 1: Square of the deviation per answer, in units of its noise
     pub chi2_per_n: Option<f64>,
+    /// JSON, 1: Error of the model that explains the deviation; null by touches
     pub misfit: Option<f64>,
+    /// JSON: Half of the 95 % interval of turning points; null where unknown
     pub turning_point_tolerance_m: Option<f64>,
+    /// JSON, m/m: Shift of turning points per metre that a sensor is off its mark
     pub turning_point_per_place: Option<&'a [f64]>,
+    /// JSON: Half of the 95 % interval of the felt edge; null except by touches
     pub felt_edge_tolerance_m: Option<f64>,
+    /// JSON: Half of the 95 % interval of the level; null where no levels were measured
     pub level_tolerance_db: Option<f64>,
+    /// A caution that no measurement reveals and the user must check.
     pub caution: Option<&'a str>,
+    /// How far off the file was before.
     pub before: Option<BeforeAnswer>,
     /// `None` where the caller gives measurements instead of files.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -192,18 +204,20 @@ pub struct CalibrateAnswer<'a> {
 
 /// The fields of a file by another program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct FileReadAnswer {
+    /// The file that was read.
     pub file: String,
+    /// How the file was read.
     #[serde(flatten)]
     pub read: ForeignRead,
 }
 
 /// The fields of what the plate's file missed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct BeforeAnswer {
+    /// JSON: Largest error of turning points by the file before
     pub turning_point_error_m: f64,
+    /// JSON: Largest error of the level by the file before; null where no levels were measured
     pub level_error_db: Option<f64>,
 }
 

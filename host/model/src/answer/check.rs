@@ -28,6 +28,7 @@ pub struct CheckAnswer<'a> {
     #[serde(flatten)]
     pub report: &'a Report,
     /// The worst colour.
+    // JSON, text: The worst colour
     pub worst: Colour,
 }
 

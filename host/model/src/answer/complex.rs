@@ -7,8 +7,10 @@ use slipline_plate::Complex64;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Complex {
     /// Real part.
+    // JSON, unit of its list: Real part
     pub re: f64,
     /// Imaginary part.
+    // JSON, unit of its list: Imaginary part
     pub im: f64,
 }
 

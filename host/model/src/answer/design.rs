@@ -25,26 +25,44 @@ pub fn design(
 
 /// The fields of `slipline design --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct DesignAnswer<'a> {
+    /// Name of the plate.
     pub plate: &'a str,
+    /// JSON, text: The plate file
     pub toml: String,
+    /// JSON: Rate d of the taper
     pub rate_per_m: f64,
+    /// JSON: Half of the width, at the driven end or at this place
     pub half_width_m: f64,
+    /// JSON: Half of the width at the narrow end
     pub end_half_width_m: f64,
+    /// The lower end of the band.
     pub lowest: BandEnd,
+    /// The upper end of the band.
     pub highest: BandEnd,
+    /// JSON, 1: Loss factor
     pub loss_factor: f64,
+    /// JSON, 1: Loss factor up to which the peak is the largest amplitude
     pub loss_factor_limit: f64,
+    /// JSON: Farthest turning point without a second one, the drive on the centre line
     pub single_turning_point_to_m: f64,
+    /// JSON: Farthest turning point without a second one, the drive beside the centre line
     pub single_turning_point_off_centre_to_m: f64,
+    /// JSON: Travel without a second width mode, the drive on the centre line
     pub mode_free_travel_m: f64,
+    /// The damper at the driven end.
     pub damper: Damper,
+    /// JSON: Tension per width; null for a plate that is not stretched
     pub tension_n_per_m: Option<f64>,
+    /// JSON, text: How the parts are mounted
     pub mounting: &'a str,
+    /// The frame.
     pub frame: Option<ChosenFrame>,
+    /// JSON, text: A caution that no measurement reveals and the user must check
     pub caution: Option<String>,
+    /// The lights of the designed plate.
     pub check: Option<CheckAnswer<'a>>,
+    /// JSON, text: Why the lights are missing; null if they are present
     pub not_checked: Option<String>,
 }
 

@@ -6,9 +6,10 @@ use slipline_plate::feeling::Feeling;
 
 /// A feeling and its source.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct FeelingAnswer<'a> {
+    /// JSON, text: default, or the file of the feeling
     pub from: &'a str,
+    /// The numbers of the finger.
     #[serde(flatten)]
     pub values: FeelingText,
 }

@@ -41,9 +41,10 @@ pub fn rate(
 
 /// The fields of `slipline merit --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct MeritAnswer<'a> {
+    /// Name of the plate.
     pub plate: &'a str,
+    /// The figures at each turning point.
     pub turning_points: &'a [Merit],
 }
 

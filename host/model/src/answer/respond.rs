@@ -112,30 +112,43 @@ fn in_two_dimensions(
 
 /// The fields of `slipline respond --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct RespondAnswer<'a> {
+    /// Name of the plate.
     pub plate: &'a str,
+    /// Frequency of the tone or of each answer.
     pub frequency_hz: f64,
+    /// JSON, true or false: Whether the paper's equation was solved
     pub paper_mode: bool,
+    /// Places along the plate, or the turning point of a knot.
     pub position_m: &'a [f64],
+    /// The response at each place, relative to the drive.
     pub amplitude: Vec<Complex>,
+    /// JSON, text: Width by which the wave turns: arc or plain
     pub turning_width: &'static str,
+    /// Where the wave turns.
     pub turning_point_m: f64,
+    /// JSON, true or false: Whether there is a peak
     pub peak_present: bool,
+    /// JSON: Place of the peak; null without a peak
     pub peak_position_m: Option<f64>,
+    /// JSON, times the drive: Amplitude of the peak over that of the drive; null without a peak
     pub peak_amplitude: Option<f64>,
+    /// JSON: From the peak to a tenth of its amplitude
     pub edge_width_m: f64,
+    /// What the plate in two dimensions differs by.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub two_dimensions: Option<FieldDifferences>,
 }
 
 /// The fields of `two_dimensions`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct FieldDifferences {
+    /// The peaks and the nodes of both.
     #[serde(flatten)]
     pub comparison: TwoDimensions,
+    /// JSON, 1: Reflection at the driven end, in two dimensions
     pub reflection: Option<f64>,
+    /// JSON, 1: The same by the one-mode equation
     pub one_mode_reflection: Option<f64>,
 }
 

@@ -35,50 +35,84 @@ pub struct SimulatedDrive<'a> {
 
 /// The fields of `slipline simulate --json`: those of the first tone, and of all.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct SimulateAnswer<'a> {
+    /// The only tone of a drive of one.
     #[serde(flatten)]
     pub first: Option<SimulatedTone<'a>>,
+    /// Name of the plate.
     pub plate: &'a str,
+    /// The finger by which felt edges are computed.
     pub feeling: FeelingAnswer<'a>,
+    /// JSON, text: Name of the plate on which the waves run
     pub actual_plate: &'a str,
+    /// JSON, true or false: Whether the table's gains were used
     pub has_table_gains: bool,
+    /// How much louder the chord is than the sum of its tones allows; `None` where it is none.
     pub chord_gain_db: Option<f64>,
+    /// JSON: Samples that were limited at the end of the DAC's range
     pub clipped_samples: u32,
+    /// JSON: Time that was simulated
     pub simulated_s: f64,
+    /// JSON: Time at the end over which the field was measured
     pub measured_s: f64,
+    /// JSON: Beat that the measured time does not resolve; null if there is none
     pub slow_beat_hz: Option<f64>,
+    /// JSON: Amplitude of the peak at level 1
     pub peak_at_full_scale_m: f64,
+    /// JSON: Error of the table on the actual plate; null on its own plate
     pub sensitivity_db: Option<f64>,
+    /// JSON: Where the level is most sensitive
     pub sensitivity_at_m: Option<f64>,
+    /// JSON: As `measured_felt_edge_m`, of all tones together; null where a beat is too slow
     pub measured_felt_edge_of_all_m: Option<f64>,
+    /// JSON: As `measured_felt_edge_by_person_m`, of all tones together
     pub measured_felt_edge_of_all_by_person_m: Option<[Option<f64>; 2]>,
+    /// The tones.
     pub tones: Vec<SimulatedTone<'a>>,
 }
 
 /// The fields of a simulated tone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct SimulatedTone<'a> {
+    /// Level of the tone, 0 to 1 of the table's full scale.
     pub level: f64,
+    /// Frequency of the tone or of each answer.
     pub frequency_hz: f64,
+    /// Where the wave turns.
     pub turning_point_m: f64,
+    /// Where a finger feels the tone end, by its level alone; `None` where it does not.
     pub felt_edge_m: Option<f64>,
+    /// Felt edge of a dull and of a keen finger; `None` where none is felt.
     pub felt_edge_by_person_m: Option<[Option<f64>; 2]>,
+    /// The felt edge as a sentence.
     pub felt: Option<String>,
+    /// JSON: Where the tone's wave turns on the actual plate
     pub actual_turning_point_m: f64,
+    /// Place of the peak; `None` without a peak.
     pub peak_position_m: Option<f64>,
+    /// JSON: Amplitude of the peak, as predicted
     pub peak_amplitude_m: Option<f64>,
+    /// From the peak to a tenth of its amplitude.
     pub edge_width_m: f64,
+    /// Whether there is a peak.
     pub peak_present: bool,
+    /// JSON: Turning point by the simulated field
     pub measured_turning_point_m: Option<f64>,
+    /// JSON: Place of the peak, as simulated; null without a peak
     pub measured_peak_position_m: Option<f64>,
+    /// JSON: Amplitude of the peak, as simulated; null without a peak
     pub measured_peak_amplitude_m: Option<f64>,
+    /// JSON: As `felt_edge_m`, by the simulated field
     pub measured_felt_edge_m: Option<f64>,
+    /// JSON: As `felt_edge_by_person_m`, by the simulated field
     pub measured_felt_edge_by_person_m: Option<[Option<f64>; 2]>,
+    /// Places along the plate, or the turning point of a knot.
     pub position_m: &'a [f64],
+    /// The response at each place, relative to the drive.
     pub amplitude: Vec<Complex>,
+    /// JSON: Amplitude of the tone at each place, as simulated
     pub measured_amplitude_m: Vec<f64>,
+    /// What the plate in two dimensions differs by.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub two_dimensions: Option<TwoDimensions>,
 }

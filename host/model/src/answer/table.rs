@@ -70,21 +70,35 @@ impl BuiltTable {
 
 /// The fields of `slipline table --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct TableAnswer<'a> {
+    /// Name of the plate.
     pub plate: &'a str,
+    /// JSON: Sample rate
     pub sample_rate_hz: f64,
+    /// JSON: Nearest turning point of the table
     pub span_start_m: f64,
+    /// JSON: Farthest turning point of the table
     pub span_end_m: f64,
+    /// The knots.
     pub knots: &'a [Knot],
+    /// Amplitude of the peak at level 1.
     pub peak_at_full_scale_m: f64,
+    /// JSON: Largest error of the level between the knots
     pub worst_error_db: f64,
+    /// JSON: Largest shift of the peak between the knots
     pub worst_shift_m: f64,
+    /// JSON: Swing of the level over the span without the gains
     pub swing_without_gain_db: f64,
+    /// JSON, 1: Travel at level 1 over the peak travel; null without a limit
     pub travel_over_peak_travel: Option<f64>,
+    /// JSON: By how much the table is lower to keep the peak travel; null without a limit
     pub lowered_by_travel_db: Option<f64>,
+    /// JSON, count: Knots where loss leaves no peak
     pub knots_without_peak: usize,
+    /// JSON, dB: Change of the level per 1 % of wave speed
     pub sensitivity_db_per_percent: f64,
+    /// Where the level is most sensitive.
     pub sensitivity_at_m: f64,
+    /// JSON, text: CRC-32 of the table, eight hexadecimal digits
     pub crc: String,
 }

@@ -27,26 +27,44 @@ pub fn make(
 
 /// The fields of `slipline texture --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct TextureAnswer<'a> {
+    /// JSON, text: Name of the plate
     pub plate: &'a str,
+    /// The tones.
     pub tones: Vec<TextureToneAnswer>,
+    /// JSON, 1: Error of the RMS amplitude, over its largest value
     pub rms_error: Option<f64>,
+    /// JSON: Ripple of the area; null where there is none
     pub ripple_db: Option<f64>,
+    /// JSON: Level before the edge over the level behind it
     pub contrast_db: Option<f64>,
+    /// Felt edge of a dull and of a keen finger; `None` where none is felt.
     pub felt_edge_by_person_m: Option<[Option<f64>; 2]>,
+    /// JSON: Swing of the RMS over 30 ms within a second, at the median place
     pub flutter_db: Option<f64>,
+    /// JSON: Frequency of this swing
     pub flutter_hz: Option<f64>,
+    /// JSON: Largest swing of the RMS over 30 ms in the area
     pub flutter_largest_db: Option<f64>,
+    /// JSON: Place of that swing
     pub flutter_largest_m: Option<f64>,
+    /// JSON, 1: As `rms_error`, the worst within the tolerances
     pub worst_rms_error: Option<f64>,
+    /// JSON: As `ripple_db`, the worst within the tolerances
     pub worst_ripple_db: Option<f64>,
+    /// What any number of tones would reach.
     pub reach: Option<ReachAnswer>,
+    /// JSON: Places along the plate, or the turning point of a knot
     pub position_m: Option<&'a [f64]>,
+    /// JSON: The wanted RMS amplitude at each place
     pub wanted_rms_m: Option<&'a [f64]>,
+    /// JSON: RMS amplitude at each place
     pub rms_m: Option<&'a [f64]>,
+    /// JSON: Distance of the stripes in the middle; null for others
     pub stripes_m: Option<f64>,
+    /// JSON: Depth of the stripes under a contact, in the middle; null for others
     pub stripes_felt_db: Option<f64>,
+    /// The texture as a chord.
     pub chord: Option<ChordAnswer<'a>>,
     /// `None` where the profile is none of a table.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -55,40 +73,48 @@ pub struct TextureAnswer<'a> {
 
 /// The fields of a profile's table.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct ProfileReadAnswer {
+    /// JSON, text: The file that was read
     pub file: String,
+    /// How the file was read.
     #[serde(flatten)]
     pub read: ProfileRead,
 }
 
 /// The fields of a tone of a texture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct TextureToneAnswer {
+    /// The tone.
     #[serde(flatten)]
     pub tone: ToneAnswer,
+    /// JSON, turns: Phase of the tone
     pub phase_turns: f64,
 }
 
 /// The fields of what any number of tones would reach.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct ReachAnswer {
+    /// The figures of merit.
     #[serde(flatten)]
     pub figures: Figures,
+    /// JSON, 1: Largest error of the square of the amplitude with any number of tones
     pub largest_square_error: Option<f64>,
 }
 
 /// The fields of a texture as a chord.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct ChordAnswer<'a> {
+    /// JSON, true or false: Whether the chord is used
     pub is_used: bool,
+    /// JSON: The tones of a chord are multiples of this frequency
     pub base_frequency_hz: f64,
+    /// JSON, count: Multiples of the base frequency, one for each tone
     pub harmonics: &'a [u32],
+    /// JSON: How much louder the chord is than the sum of its tones allows; null where it is none
     pub chord_gain_db: Option<f64>,
+    /// Level of the input below the end of its range; of a chord, above the sum of its tones.
     pub headroom_db: f64,
+    /// The figures of merit.
     #[serde(flatten)]
     pub figures: Figures,
 }

@@ -6,16 +6,25 @@ use slipline_plate::feeling::{EdgesByPerson, FeltEdge};
 
 /// The fields of a tone: both places, its frequency and its level.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct ToneAnswer {
+    /// JSON: Where the wave turns
     pub turning_point_m: f64,
+    /// JSON: Where a finger feels the tone end, by its level alone; null where it does not
     pub felt_edge_m: Option<f64>,
+    /// JSON: Felt edge of a dull and of a keen finger; null where none is felt
     pub felt_edge_by_person_m: [Option<f64>; 2],
+    /// JSON, text: The felt edge as a sentence
     pub felt: String,
+    /// JSON: Frequency of the tone or of each answer
     pub frequency_hz: f64,
+    /// JSON, 1: Level of the tone, 0 to 1 of the table's full scale
     pub level: f64,
+    /// JSON: Where the harmonic of the drive turns that is felt most beyond the felt edge; null without harmonics in the plate
+    /// file
     pub second_boundary_m: Option<f64>,
+    /// JSON: How far this harmonic is over the threshold there; negative where it is not felt, null without harmonics
     pub second_boundary_db: Option<f64>,
+    /// JSON: Where a finger feels this harmonic end; null where it does not end on the plate, is not felt, or without harmonics
     pub second_boundary_felt_to_m: Option<f64>,
 }
 

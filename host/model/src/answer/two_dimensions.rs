@@ -7,12 +7,16 @@ use slipline_plate::plane::Comparison;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TwoDimensions {
     /// Peak in two dimensions minus that of one mode, in metres.
+    // JSON: Place of the peak less that by the one-mode equation; null where one has none
     pub peak_shift_m: Option<f64>,
     /// Level of the peak in two dimensions over that of one mode, in dB.
+    // JSON: Level of the peak in two dimensions over that of the one-mode equation
     pub level_db: Option<f64>,
     /// Nodes before the peak in two dimensions.
+    // JSON, count: Nodes before the peak
     pub nodes: usize,
     /// Nodes before the peak of one mode.
+    // JSON, count: The same by the one-mode equation
     pub one_mode_nodes: usize,
 }
 

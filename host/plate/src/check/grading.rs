@@ -81,7 +81,7 @@ impl Site<'_> {
         severity: f64,
         sentence: String,
     ) -> Finding {
-        // JSON cannot represent an infinite number; the sentence says it in words.
+        // An infinite number has no JSON; the sentence says it in words.
         let value = value.filter(|value| value.is_finite());
         Finding {
             light: Light {

@@ -67,20 +67,26 @@ pub struct Light {
     #[serde(with = "crate::static_text")]
     pub name: StaticText,
     /// The number behind the light; `None` where there is none (no ghost boundary, no second tone).
+    // JSON, in `unit`, or SI: The number; null where there is none
     pub value: Option<f64>,
     /// The lowest `value` at the ends of the intervals of a calibrated plate; `None` for an uncalibrated one, and
     /// where the number does not depend on the measurement.
+    // JSON, unit of `value`: Lower end of the 95 % interval; null where there is none
     pub low: Option<f64>,
     /// The highest `value` at these ends.
+    // JSON, unit of `value`: Upper end of the 95 % interval; null where there is none
     pub high: Option<f64>,
     /// Unit of `value`; empty for a plain number.
+    // JSON, text: Unit of `value`; empty for a pure number
     #[serde(with = "crate::static_text")]
     pub unit: StaticText,
     /// Limits of `value`; `None` where the colour does not follow from `value` alone.
     pub limit: Option<Limit>,
     /// The result.
+    // JSON, text: unchecked, green, amber or red
     pub colour: Colour,
     /// One sentence: the meaning of the result and, unless it is green, a remedy.
+    // JSON, text: Meaning of the light, and a remedy
     pub sentence: String,
     /// The boundary of this result, metres; over a span the one with the worst result.
     #[serde(rename = "turning_point_m")]
@@ -122,6 +128,7 @@ pub struct Report {
     /// Half of the 95 % interval of the peak level, dB; `None` where no levels were measured.
     pub level_tolerance_db: Option<f64>,
     /// Lowest and highest frequency of the checked boundaries, Hz.
+    // JSON `band_hz`: Lowest and highest frequency of the check
     #[serde(rename = "band_hz")]
     pub frequency_hz: (f64, f64),
     /// The lights, always in the same order.

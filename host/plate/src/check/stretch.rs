@@ -11,8 +11,10 @@ const HALVINGS: usize = 16;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, serde::Deserialize)]
 pub struct Stretch {
     /// Its end nearer the drive.
+    // JSON: End of the stretch nearer the drive
     pub from_m: f64,
     /// Its end farther from the drive.
+    // JSON: End of the stretch farther from the drive
     pub to_m: f64,
 }
 

@@ -6,8 +6,10 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, serde::Deserialize)]
 pub struct Limits {
     /// Last value that is green.
+    // JSON, unit of the light: Last value that is green
     pub green: f64,
     /// Last value that is amber.
+    // JSON, unit of the light: Last value that is amber
     pub amber: f64,
 }
 

@@ -1,7 +1,6 @@
 //! The actuator between the DAC and the driven end: a mass on a spring, or a measured curve.
 
 use crate::definition::error::PlateError;
-use crate::definition::limits;
 use crate::definition::response_curve::ResponseCurve;
 use crate::definition::travel::Travel;
 use num_complex::Complex64;
@@ -18,7 +17,7 @@ pub enum Actuator {
 impl Actuator {
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
         match self {
-            Self::Resonator(resonator) => resonator.validate(),
+            Self::Resonator(resonator) => resonator.travel.as_ref().map_or(Ok(()), Travel::validate),
             Self::Measured(curve) => curve.validate("actuator.points"),
         }
     }
@@ -52,12 +51,6 @@ pub struct Resonator {
 }
 
 impl Resonator {
-    pub(crate) fn validate(&self) -> Result<(), PlateError> {
-        limits::RESONANCE.check("actuator.resonance_hz", self.resonance_hz)?;
-        limits::QUALITY.check("actuator.quality", self.quality)?;
-        self.travel.as_ref().map_or(Ok(()), Travel::validate)
-    }
-
     /// Complex response H at `frequency_hz`, relative to the response at 0 Hz.
     pub fn response(&self, frequency_hz: f64) -> Complex64 {
         let ratio = frequency_hz / self.resonance_hz;

@@ -101,8 +101,9 @@ impl AirLoad {
 #[cfg(test)]
 mod tests {
     use crate::definition::air::{Air, AirMounting, Faces, Gas};
-    use crate::definition::plate::{Plate, PlateSpec};
+    use crate::definition::plate::Plate;
     use crate::definition::presets::preset;
+    use crate::definition::spec::PlateSpec;
 
     fn in_air(name: &str, alpha: f64) -> Plate {
         let mounting = AirMounting::Coefficient { alpha, faces: Faces::Two };

@@ -1,8 +1,6 @@
 //! The record of a calibration in a plate file: tolerances, and the correction of the drive's response.
 
-use crate::definition::error::PlateError;
 use crate::definition::impedance::Impedance;
-use crate::definition::limits;
 use crate::definition::response_curve::ResponseCurve;
 
 /// The fields of a plate file for the source's intervals, in the order of [`Impedance::fields`].
@@ -29,21 +27,4 @@ pub struct Calibration {
     /// Measured complex gain from the DAC to the peak over the gain by the rest of the file. It multiplies every
     /// steady amplitude. `None` if no levels were measured.
     pub correction: Option<ResponseCurve>,
-}
-
-impl Calibration {
-    pub(crate) fn validate(&self) -> Result<(), PlateError> {
-        limits::CHI2_PER_N.check("calibration.chi2_per_n", self.chi2_per_n)?;
-        limits::CALIBRATED.check("calibration.half_width_tolerance", self.half_width_tolerance)?;
-        limits::CALIBRATED.check("calibration.taper_tolerance", self.taper_tolerance)?;
-        if let Some(level_db) = self.level_tolerance_db {
-            limits::LEVEL_TOLERANCE_DB.check("calibration.level_tolerance_db", level_db)?;
-        }
-        if let Some(source) = &self.source_tolerance {
-            for (field, (_, half, range)) in SOURCE_TOLERANCE.into_iter().zip(source.fields()) {
-                range.check(&format!("calibration.{field}"), half)?;
-            }
-        }
-        self.correction.as_ref().map_or(Ok(()), |curve| curve.validate("calibration.points"))
-    }
 }

@@ -53,12 +53,6 @@ impl Film {
     pub(crate) fn thickest_m(&self, percent: f64, edge_m: f64, half_width_m: f64) -> f64 {
         self.thickness_m * half_width_m / (edge_m * FilmEdge::widths_for(percent))
     }
-
-    pub(crate) fn validate(&self) -> Result<(), PlateError> {
-        limits::YOUNGS_MODULUS.check("model.youngs_modulus_pa", self.youngs_modulus_pa)?;
-        limits::POISSON_RATIO.check("model.poisson_ratio", self.poisson_ratio)?;
-        limits::THICKNESS.check("model.thickness_m", self.thickness_m)
-    }
 }
 
 /// The cut-off of a strip of a film.

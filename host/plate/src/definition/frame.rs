@@ -1,8 +1,5 @@
 //! The frame that holds a plate, as its file states it.
 
-use super::error::PlateError;
-use super::limits;
-
 /// Free length of the window before the driven end, metres.
 pub(crate) const DRIVE_GAP_M: f64 = 0.015;
 
@@ -19,14 +16,4 @@ pub struct Frame {
     pub rim_m: f64,
     /// Mass of the table to which it is screwed, kg (0 to 1000); 0 for a frame that lies free.
     pub table_mass_kg: f64,
-}
-
-impl Frame {
-    pub(crate) fn validate(&self) -> Result<(), PlateError> {
-        limits::YOUNGS_MODULUS.check("frame.youngs_modulus_pa", self.youngs_modulus_pa)?;
-        limits::DENSITY.check("frame.density_kg_per_m3", self.density_kg_per_m3)?;
-        limits::FRAME_THICKNESS.check("frame.thickness_m", self.thickness_m)?;
-        limits::RIM.check("frame.rim_m", self.rim_m)?;
-        limits::MOVING_MASS.check("frame.table_mass_kg", self.table_mass_kg)
-    }
 }

@@ -150,8 +150,8 @@ fn lead_in_m(plate: &Plate) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::definition::plate::PlateSpec;
     use crate::definition::presets::preset;
+    use crate::definition::spec::PlateSpec;
     use crate::frequency::{Equation, respond};
     use std::f64::consts::PI;
 

@@ -15,7 +15,8 @@
 use super::air::AirLoad;
 use super::air_along::AirAlong;
 use super::model::Model;
-use super::plate::{Plate, PlateSpec};
+use super::plate::Plate;
+use super::spec::PlateSpec;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 

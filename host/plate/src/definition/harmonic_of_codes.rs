@@ -64,9 +64,9 @@ impl Plate {
 mod tests {
     use super::*;
     use crate::definition::actuator::{Actuator, Resonator};
-    use crate::definition::plate::PlateSpec;
     use crate::definition::presets::preset;
     use crate::definition::response_curve::ResponseCurve;
+    use crate::definition::spec::PlateSpec;
 
     fn flat(db: f64, lead: f64) -> Option<ResponseCurve> {
         Some(ResponseCurve { points: vec![[50.0, db, lead], [500.0, db, lead]] })

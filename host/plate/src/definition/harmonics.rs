@@ -46,7 +46,6 @@ impl Harmonics {
     pub const ORDERS: [u8; 2] = [2, 3];
 
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
-        limits::HARMONIC_LEVEL.check("actuator.harmonic_level", self.level)?;
         for order in Self::ORDERS {
             if let Some(curve) = self.curve(order) {
                 curve.validate_in(&format!("actuator.harmonic_{order}_points"), limits::HARMONIC)?;

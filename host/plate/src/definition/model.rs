@@ -16,7 +16,6 @@
 
 use crate::definition::error::PlateError;
 use crate::definition::film::Film;
-use crate::definition::limits;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Material, edge and wave of a plate.
@@ -112,13 +111,6 @@ impl Bending {
             self.youngs_modulus_pa / (self.density_kg_per_m3 * (1.0 - self.poisson_ratio.powi(2))),
         )
     }
-
-    fn validate(&self) -> Result<(), PlateError> {
-        limits::YOUNGS_MODULUS.check("model.youngs_modulus_pa", self.youngs_modulus_pa)?;
-        limits::POISSON_RATIO.check("model.poisson_ratio", self.poisson_ratio)?;
-        limits::DENSITY.check("model.density_kg_per_m3", self.density_kg_per_m3)?;
-        limits::THICKNESS.check("model.thickness_m", self.thickness_m)
-    }
 }
 
 /// q of the first width mode between clamped edges: half of the first root of cos(bL) cosh(bL) = 1.
@@ -143,25 +135,7 @@ impl Model {
     }
 
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
-        match self {
-            Self::Membrane { wave_speed_m_per_s, tension_n_per_m, film } => {
-                limits::WAVE_SPEED.check("model.wave_speed_m_per_s", *wave_speed_m_per_s)?;
-                tension_n_per_m
-                    .map_or(Ok(()), |tension| limits::TENSION.check("model.tension_n_per_m", tension))?;
-                if let Some(film) = film {
-                    film.validate()?;
-                    self.surface_density("the film's stiffness")?;
-                }
-                Ok(())
-            }
-            Self::ShearHorizontal { shear_modulus_pa, density_kg_per_m3, thickness_m } => {
-                limits::SHEAR_MODULUS.check("model.shear_modulus_pa", *shear_modulus_pa)?;
-                limits::DENSITY.check("model.density_kg_per_m3", *density_kg_per_m3)?;
-                thickness_m
-                    .map_or(Ok(()), |thickness| limits::THICKNESS.check("model.thickness_m", thickness))
-            }
-            Self::BendingSupported(bending) | Self::BendingClamped(bending) => bending.validate(),
-        }
+        self.film().map_or(Ok(()), |_| self.surface_density("the film's stiffness").map(drop))
     }
 
     /// The material of a plate in bending; `None` for the other models.

@@ -4,98 +4,22 @@
 //! their own.
 
 use super::limits::{self, BAND_RATIO_MAX, WAVELENGTHS_MAX};
-use crate::definition::actuator::Actuator;
-use crate::definition::air::{Air, AirLoad};
-use crate::definition::calibration::Calibration;
+use crate::definition::air::AirLoad;
 use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Consequence, Origin, PlateError};
+use crate::definition::fields::check_ranges;
 use crate::definition::film::{self, FilmEdge};
-use crate::definition::frame::Frame;
-use crate::definition::harmonics::Harmonics;
 use crate::definition::model::Model;
+use crate::definition::spec::PlateSpec;
 use crate::definition::strip_table::StripTable;
 use crate::definition::taper::{Taper, WidthLaw};
-use crate::definition::thickness::{Grading, Thickness};
+use crate::definition::thickness::Grading;
 use crate::definition::turning_width::{TurningLaw, TurningWidth};
 use crate::quantity::Range;
 use crate::special::ramp::ramp;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-
-/// The description of a plate, before validation. Lengths in metres, frequencies in hertz.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PlateSpec {
-    /// Short name, 1 to 80 characters.
-    pub name: String,
-    /// One line that says what the plate is, at most 400 characters.
-    pub description: String,
-    /// How the half-width narrows.
-    pub taper: Taper,
-    /// How far the edges give, delta, metres (-0.002 to 0.005): every law takes the half-width W + delta, with one delta for the
-    /// whole plate, and the taper states W as it is cut. An edge clamped by a rotational stiffness of D/(c h) per length has
-    /// delta = c h: between clamped edges laws take the half-width of the strip that cuts off like that one, which is W + delta to
-    /// the first order. `None` as 0.
-    pub edge_give_m: Option<f64>,
-    /// Half of the 95 % interval of `edge_give_m`, metres (0 to 0.005). `None` if it is unknown.
-    pub edge_give_tolerance_m: Option<f64>,
-    /// Tension across over tension along a membrane, Tz/Tx (0.5 to 2); `None` as 1. Stretched by its root the plate is that of one
-    /// tension, so every law takes the half-width (W + delta)/sqrt(Tz/Tx).
-    pub tension_ratio: Option<f64>,
-    /// Half of the 95 % interval of that ratio (0 to 0.5). `None` as 0: a calibration holds it.
-    pub tension_ratio_tolerance: Option<f64>,
-    /// Which width decides where a wave turns.
-    pub turning_width: TurningWidth,
-    /// Length L from the driven end to the narrow end, metres (0.005 to 10).
-    pub length_m: f64,
-    /// Material, edge and wave.
-    pub model: Model,
-    /// How the thickness of a plate in bending changes along it, from that of the model on; `None` if it is the same everywhere.
-    pub thickness: Option<Thickness>,
-    /// The air that swings with the plate; `None` as in a vacuum, or if the plate's own numbers hold it.
-    pub air: Option<Air>,
-    /// The frame that holds the plate; `None` if it is not stated.
-    pub frame: Option<Frame>,
-    /// Loss factor of the material's modulus or of the tension (0 to 0.5); see [`Plate::wave_loss`].
-    pub loss_factor: f64,
-    /// Exponent p of its course over the frequency (-2 to 2): `loss_factor` is that of the geometric middle of the band, and at f it
-    /// is (f over that)^p times as large, at most 0.5. `None` as 0. Not of a plate between clamped edges, whose law has one loss.
-    pub loss_exponent: Option<f64>,
-    /// Half of the 95 % interval of that exponent (0 to 2). `None` as 0: a calibration holds it.
-    pub loss_exponent_tolerance: Option<f64>,
-    /// Relative uncertainty of the wave speed (0 to 0.05). The drive table is levelled for all wave speeds within
-    /// this tolerance, not only for the nominal one. Useful with a matched drive end, whose ripple is small.
-    pub wave_speed_tolerance: f64,
-    /// Relative uncertainty t of the loss factor (0 to 4): the true one lies between `loss_factor`/(1 + t) and
-    /// (1 + t) `loss_factor`, so 1 is "halved or doubled". `None` if that is unknown.
-    pub loss_tolerance: Option<f64>,
-    /// What is held at x = 0.
-    pub drive_end: DriveEnd,
-    /// The actuator's response, if it matters.
-    pub actuator: Option<Actuator>,
-    /// The harmonics that the drive adds to a tone; `None` if they are not known. They change neither table nor response.
-    pub harmonics: Option<Harmonics>,
-    /// Displacement of the drive at DAC full scale, metres (1e-9 to 0.1). Illustrative until you have measured it.
-    pub full_scale_m: f64,
-    /// Turning point nearest to the drive that a user can choose, metres (0.001 L to 0.999 L).
-    pub span_start_m: f64,
-    /// Turning point farthest from the drive that a user can choose, metres (at least 0.001 L beyond `span_start_m`,
-    /// at most L).
-    pub span_end_m: f64,
-    /// What a calibration found of the drive and of the widths; `None` for an uncalibrated plate.
-    pub calibration: Option<Calibration>,
-}
-
-impl PlateSpec {
-    /// Appends `mark` to the name, of which so much stays that both are within [`limits::NAME`]; a name that ends with it already
-    /// stays as it is.
-    pub fn mark_name(&mut self, mark: &str) {
-        if !self.name.ends_with(mark) {
-            let room = limits::NAME.most.saturating_sub(mark.chars().count());
-            self.name = self.name.chars().take(room).chain(mark.chars()).collect();
-        }
-    }
-}
 
 /// A validated plate.
 ///
@@ -154,38 +78,29 @@ impl Plate {
         Self::unbanded(spec, None)
     }
 
-    fn unbanded(spec: PlateSpec, strip: Option<Arc<StripTable>>) -> Result<Self, PlateError> {
+    fn unbanded(mut spec: PlateSpec, strip: Option<Arc<StripTable>>) -> Result<Self, PlateError> {
         limits::NAME.check_text("name", &spec.name)?;
         limits::DESCRIPTION.check_text("description", &spec.description)?;
-        limits::LENGTH.check("length_m", spec.length_m)?;
+        if let Some(actuator) = &spec.actuator {
+            actuator.validate()?;
+        }
+        check_ranges(&mut spec)?;
         spec.taper.validate(spec.length_m)?;
         spec.model.validate()?;
         if let Some(air) = &spec.air {
             air.validate(&spec.model)?;
         }
-        if let Some(frame) = &spec.frame {
-            frame.validate()?;
-        }
         if let Some(thickness) = &spec.thickness {
             thickness.validate(&spec.model, spec.air.as_ref(), &spec.drive_end, spec.length_m)?;
         }
-        limits::LOSS_FACTOR.check("loss_factor", spec.loss_factor)?;
-        limits::WAVE_SPEED_TOLERANCE.check("wave_speed_tolerance", spec.wave_speed_tolerance)?;
-        if let Some(tolerance) = spec.loss_tolerance {
-            limits::LOSS_TOLERANCE.check("loss_tolerance", tolerance)?;
-        }
         spec.check_loss_exponent()?;
         spec.drive_end.validate(&spec.model)?;
-        if let Some(actuator) = &spec.actuator {
-            actuator.validate()?;
-        }
         if let Some(harmonics) = &spec.harmonics {
             harmonics.validate()?;
         }
-        if let Some(calibration) = &spec.calibration {
-            calibration.validate()?;
+        if let Some(correction) = spec.calibration.as_ref().and_then(|it| it.correction.as_ref()) {
+            correction.validate("calibration.points")?;
         }
-        limits::FULL_SCALE.check("full_scale_m", spec.full_scale_m)?;
         limits::span_start(spec.length_m).check("span_start_m", spec.span_start_m)?;
         let shortest = spec.span_start_m + 1e-3 * spec.length_m;
         Range::new(shortest, spec.length_m, "m").check("span_end_m", spec.span_end_m)?;
@@ -443,13 +358,9 @@ impl Plate {
 /// # Errors
 /// They give so far inward that no plate is left at its end.
 fn edges(outline: &WidthLaw, spec: &PlateSpec) -> Result<WidthLaw, PlateError> {
-    if let Some(tolerance_m) = spec.edge_give_tolerance_m {
-        limits::EDGE_GIVE_TOLERANCE.check("edge_give_tolerance_m", tolerance_m)?;
-    }
     let share = tension_share(spec)?;
     let scaled = |edges: WidthLaw| share.map_or(edges.clone(), |share| edges.scaled(share));
     let Some(give_m) = spec.edge_give_m else { return Ok(scaled(outline.clone())) };
-    limits::EDGE_GIVE.check("edge_give_m", give_m)?;
     let end_m = outline.at(spec.length_m).value.exp();
     let left = Range { low: limits::HALF_WIDTH.low - end_m, ..limits::EDGE_GIVE };
     if give_m < left.low {
@@ -461,14 +372,10 @@ fn edges(outline: &WidthLaw, spec: &PlateSpec) -> Result<WidthLaw, PlateError> {
 
 /// The half-width of one tension over that of two, 1/sqrt(Tz/Tx); `None` of one tension.
 fn tension_share(spec: &PlateSpec) -> Result<Option<f64>, PlateError> {
-    let stated = [
-        ("tension_ratio", spec.tension_ratio, limits::TENSION_RATIO),
-        ("tension_ratio_tolerance", spec.tension_ratio_tolerance, limits::TENSION_RATIO_TOLERANCE),
-    ];
-    for (field, value, range) in stated {
-        let Some(value) = value else { continue };
-        range.check(field, value)?;
-        if !matches!(spec.model, Model::Membrane { .. }) {
+    let stated =
+        [("tension_ratio", spec.tension_ratio), ("tension_ratio_tolerance", spec.tension_ratio_tolerance)];
+    for (field, value) in stated {
+        if value.is_some() && !matches!(spec.model, Model::Membrane { .. }) {
             return Err(PlateError::unexpected(field, "only a membrane has a tension"));
         }
     }

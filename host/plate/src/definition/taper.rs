@@ -66,8 +66,6 @@ impl Taper {
     pub(crate) fn validate(&self, length_m: f64) -> Result<(), PlateError> {
         match self {
             Self::Exponential { half_width_m, rate_per_m } => {
-                limits::HALF_WIDTH.check("taper.half_width_m", *half_width_m)?;
-                limits::TAPER_RATE.check("taper.rate_per_m", *rate_per_m)?;
                 let end = half_width_m * (-rate_per_m * length_m).exp();
                 let narrowest = limits::HALF_WIDTH.low;
                 if end < narrowest {
@@ -78,7 +76,6 @@ impl Taper {
                 Ok(())
             }
             Self::Linear { half_width_m, end_half_width_m } => {
-                limits::HALF_WIDTH.check("taper.half_width_m", *half_width_m)?;
                 let end = Range { high: 0.999 * half_width_m, ..limits::HALF_WIDTH };
                 end.check("taper.end_half_width_m", *end_half_width_m)
             }

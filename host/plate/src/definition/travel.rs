@@ -20,13 +20,10 @@ impl Travel {
         let most_m = limits::TRAVEL_RATIO_MAX * self.peak_m;
         if most_m < limits::TRAVEL.high {
             let range = Range::new(limits::TRAVEL.low, most_m, "m");
-            return range.check_from(
-                Origin::PeakTravel(self.peak_m),
-                "actuator.static_travel_m",
-                self.static_m,
-            );
+            let origin = Origin::PeakTravel(self.peak_m);
+            range.check_from(origin, "actuator.static_travel_m", self.static_m)?;
         }
-        limits::TRAVEL.check("actuator.static_travel_m", self.static_m)
+        Ok(())
     }
 }
 

@@ -25,12 +25,16 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, serde::Deserialize)]
 pub struct Damper {
     /// Mechanical resistance R, N s/m: at the driven end, or at the far end of the lead-in.
+    // JSON: Resistance of the damper
     pub resistance_n_s_per_m: f64,
     /// Frequency for which R is chosen, Hz; without a lead-in the damper matches there (R = Z).
+    // JSON: Frequency at which the damper matches
     pub match_frequency_hz: f64,
     /// Smallest and largest R/Z over the band.
+    // JSON, 1: Smallest and largest R/Z over the band
     pub ratio_range: (f64, f64),
     /// Largest reflection of the returning wave at the driven end over the band, as a ratio of amplitudes.
+    // JSON, 1: Largest share of the returning wave that the end reflects
     pub largest_reflection: f64,
     /// The strip behind the drive of a plate in bending; `None` where a damper at the driven end matches.
     pub lead_in: Option<LeadIn>,

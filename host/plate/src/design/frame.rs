@@ -29,18 +29,24 @@ const MARGIN_DB: f64 = 1.0;
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ChosenFrame {
     /// Its material.
+    // JSON, text: Material of the frame
     #[serde(with = "crate::static_text")]
     pub material: StaticText,
     /// Thickness of each of its two sheets, metres.
+    // JSON: Thickness of each of the frame's two sheets
     pub sheet_m: f64,
     /// Its mass, both sheets, kg.
+    // JSON: Mass of the frame, both sheets
     pub mass_kg: f64,
     /// Its first bending with free ends, Hz.
+    // JSON: First bending of the frame with free ends
     pub first_bending_hz: f64,
     /// Its largest motion beyond the boundary over what a usual finger just feels, dB, over the span at level 1; `None` where the
     /// plate's mass is not known.
+    // JSON: Largest motion of the frame beyond the boundary over what a usual finger feels; null where unknown
     pub over_threshold_db: Option<f64>,
     /// The mass of the table to which it must be screwed, kg; 0 where it may lie free.
+    // JSON: Mass of the table to which the frame must be screwed; 0 where it may lie free
     pub table_mass_kg: f64,
 }
 

@@ -22,15 +22,15 @@ mod svg;
 
 use crate::check::{loss_integral, thresholds, wavelengths};
 use crate::definition::air::AirLoad;
-use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Consequence, Origin, PlateError};
+use crate::definition::fields::check_ranges;
 use crate::definition::film::FilmEdge;
 use crate::definition::free_wave::FreeWave;
 use crate::definition::limits;
 use crate::definition::model::Model;
-use crate::definition::plate::{Plate, PlateSpec};
+use crate::definition::plate::Plate;
+use crate::definition::spec::PlateSpec;
 use crate::definition::taper::Taper;
-use crate::definition::turning_width::TurningWidth;
 use crate::progress::{Progress, Stopped};
 use crate::quantity::Range;
 use crate::special::airy;
@@ -58,8 +58,10 @@ pub struct BandEnd {
     /// Distance from the peak to a tenth of its amplitude, metres.
     pub edge_width_m: f64,
     /// Number of wavelengths from the driven end to the boundary.
+    // JSON, 1: Wavelengths from the driven end to the turning point
     pub wavelengths: f64,
     /// Loss integral I: the wave arrives with e^-I of its amplitude.
+    // JSON, 1: Integral I of the loss: the wave arrives with exp(-I) of its amplitude
     pub loss_integral: f64,
 }
 
@@ -119,41 +121,27 @@ pub fn design(request: &Request, progress: &mut Progress<'_>) -> Result<Design, 
     band_high_range(low_hz).check_from(Origin::BandLow(low_hz), "band high", high_hz)?;
     limits::FULL_SCALE.check("full_scale_m", request.full_scale_m)?;
     limits::RIM.check("rim_m", request.rim_m)?;
-    let model = request.model();
-    model.validate()?;
-    if let Some(air) = &request.air {
-        air.validate(&model)?;
-    }
-    check_film(request, &model)?;
-    let taper = taper_for(request, &model)?;
-    progress.at(0.1)?;
     let mut spec = PlateSpec {
         name: request.name.clone(),
         description: request.describe(),
-        taper: Taper::Exponential { half_width_m: taper.half_width_m, rate_per_m: taper.rate_per_m },
         length_m: request.length_m,
-        model,
-        thickness: None,
-        turning_width: TurningWidth::Arc,
+        model: request.model(),
         loss_factor: request.material.loss_factor,
         wave_speed_tolerance: WAVE_SPEED_TOLERANCE,
-        loss_tolerance: None,
-        loss_exponent: None,
-        loss_exponent_tolerance: None,
-        edge_give_m: None,
-        edge_give_tolerance_m: None,
-        tension_ratio: None,
-        tension_ratio_tolerance: None,
-        drive_end: DriveEnd::Displacement,
-        actuator: None,
-        harmonics: None,
         full_scale_m: request.full_scale_m,
-        span_start_m: taper.near_m,
-        span_end_m: taper.far_m,
         air: request.air,
-        frame: None,
-        calibration: None,
+        ..PlateSpec::blank()
     };
+    check_ranges(&mut spec)?;
+    spec.model.validate()?;
+    if let Some(air) = &spec.air {
+        air.validate(&spec.model)?;
+    }
+    check_film(request, &spec.model)?;
+    let taper = taper_for(request, &spec.model)?;
+    progress.at(0.1)?;
+    spec.taper = Taper::Exponential { half_width_m: taper.half_width_m, rate_per_m: taper.rate_per_m };
+    (spec.span_start_m, spec.span_end_m) = (taper.near_m, taper.far_m);
     let undamped = Plate::new(spec.clone())?;
     progress.at(0.2)?;
     let (drive_end, damper) = damper::matched(&undamped, request.band_hz);

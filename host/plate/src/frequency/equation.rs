@@ -1,6 +1,7 @@
 //! The two amplitude equations: the one derived from the wave equation, and the paper's.
 
-use crate::definition::plate::{Plate, PlateSpec};
+use crate::definition::plate::Plate;
+use crate::definition::spec::PlateSpec;
 use crate::definition::turning_width::TurningWidth;
 use std::borrow::Cow;
 

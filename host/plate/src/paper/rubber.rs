@@ -1,7 +1,8 @@
 //! Fig. 9: the rubber plate at 30 and 40 Hz.
 
 use super::figure::{Figure, FigureError, Mark, Panel, RATE_PER_M, Series, Stroke, magnitude, preset, solve};
-use crate::definition::plate::{Plate, PlateSpec};
+use crate::definition::plate::Plate;
+use crate::definition::spec::PlateSpec;
 use crate::definition::taper::Taper;
 use crate::frequency::equation::Equation;
 

@@ -1,7 +1,8 @@
 //! What a sheet leaves out in a baffle: the pressure at a distance (`frequency/far_air.rs`), which is not local.
 
 use crate::definition::air::Air;
-use crate::definition::plate::{Plate, PlateSpec};
+use crate::definition::plate::Plate;
+use crate::definition::spec::PlateSpec;
 use crate::frequency::{Equation, respond};
 
 /// Points of a field: the place of a peak is right to a hundredth of a millimetre.

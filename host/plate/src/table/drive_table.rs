@@ -28,6 +28,7 @@ pub struct Knot {
     /// Frequency, Hz; strictly increasing from knot to knot.
     pub frequency_hz: f64,
     /// Gain, above 0 and at most 1.
+    // JSON, 1: Gain of the tone at this knot
     pub gain: f64,
     /// Whether the plate has a turning-point peak here. Where loss leaves none, the table levels the amplitude at the
     /// turning point over 0.6628, which is the height of the Airy peak.

@@ -10,8 +10,11 @@ pub struct ColumnRead {
     /// Its name in the file; empty if it has none.
     pub name: String,
     /// What it was read as; `None` if it was left out.
+    // JSON, text: What the column was read as; null where it is left out
     pub quantity: Option<&'static str>,
     /// The unit in which it was read.
+    // JSON of calibrate and texture, text: Unit in which the column was read; null for a pure number or a column that is left
+    // out
     pub unit: Option<String>,
 }
 

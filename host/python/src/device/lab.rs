@@ -1,17 +1,17 @@
 //! What Python does with a device and a sensor or a recorder besides a measurement: trims, sweeps for a recorder, and self-tests.
 
-use super::measure::{Band, Ready, Wish, of_band};
+use super::measure::{Ready, Wish, of_band};
 use super::{Device, Loaded, lock, may_be_armed};
-use crate::arguments::{in_range, optional};
+use crate::arguments::optional;
 use crate::error::Failure;
 use crate::plate::Plate as PyPlate;
 use crate::result::kind::{Profile, Selftest, Sweep, Trim};
 use crate::result::{Answer, fields};
 use pyo3::prelude::*;
-use slipline_instrument::measure::{PlayedSweep, Playing, SWEEP_S};
+use slipline_instrument::measure::{PlayedSweep, Playing};
 use slipline_instrument::native::{Client, InterruptibleLink, TRIM_S, Trimming};
 use slipline_instrument::profile_file;
-use slipline_instrument::requests::SweepAnswer;
+use slipline_instrument::requests::{Frequencies, SweepAnswer};
 use slipline_instrument::selftest::SelftestRequest;
 use slipline_link::protocol::profile::ActuatorProfile;
 use slipline_link::protocol::version::Compatibility;
@@ -54,11 +54,9 @@ impl Device {
         &self,
         py: Python<'_>,
         path: PathBuf,
-        band: Band,
+        frequencies: Frequencies,
         duration_s: f64,
     ) -> PyResult<Answer<Sweep>> {
-        in_range("duration_s", duration_s, SWEEP_S)?;
-        let frequencies = band.frequencies()?;
         let Loaded { plate, on_device, .. } = self.loaded()?;
         let consent = lock(&self.state).consent;
         let found = self.call(py, move |client| {
@@ -93,11 +91,6 @@ impl Device {
         Answer::of(py, found)?.with(py, "passed", passed)
     }
 
-    /// The profile of the board's actuator.
-    pub(super) fn show_profile(&self, py: Python<'_>) -> PyResult<Answer<Profile>> {
-        Answer::of(py, self.call(py, profile_fields)?)
-    }
-
     /// Writes the profile, or erases it, and returns what the device has then.
     pub(super) fn change_profile(
         &self,
@@ -114,7 +107,8 @@ impl Device {
     }
 }
 
-fn profile_fields(
+/// The profile of the board's actuator.
+pub(super) fn profile_fields(
     client: &Client<InterruptibleLink>,
 ) -> Result<serde_json::Map<String, serde_json::Value>, Failure> {
     let report = client.refreshed()?.device.profile.clone();

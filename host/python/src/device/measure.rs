@@ -1,7 +1,7 @@
 //! Measurements with the device's own inputs.
 
 use super::{Device, Loaded, lock, may_be_armed};
-use crate::arguments::{count_in, optional};
+use crate::arguments::{count_in, in_range, optional};
 use crate::error::Failure;
 use crate::measurement::{Measurement, sensor_kind};
 use crate::plate::Plate as PyPlate;
@@ -20,70 +20,76 @@ use slipline_instrument::requests::{
 use slipline_instrument::rig::PreparedRig;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{SensorBody, SensorKind};
-use slipline_plate::quantity::{OutOfRange, Range, must_be};
+use slipline_plate::quantity::{Range, must_be};
 use std::error::Error;
 use std::ffi::CString;
-
-/// The frequencies of a measurement and their level, as they are given.
-pub(super) struct Band {
-    pub(super) points: Option<i64>,
-    pub(super) low_hz: Option<f64>,
-    pub(super) high_hz: Option<f64>,
-    pub(super) level: Option<f64>,
-    pub(super) sweep: bool,
-}
-
-/// The drive circuit of a measurement, as it is given: all values or none.
-pub(super) struct Circuit {
-    pub(super) amplifier_v: Option<f64>,
-    pub(super) coil_ohm: Option<f64>,
-    pub(super) piezo_f: Option<f64>,
-    pub(super) shunt_a: Option<f64>,
-    pub(super) bandwidths: Bandwidths,
-}
 
 /// A measurement that is asked for.
 pub(super) struct Wish {
     /// `None` for the current of the drive.
-    sensor: Option<(f64, SensorKind, Option<SensorBody>)>,
+    pub(super) sensor: Option<Sensor>,
     pub(super) request: MeasureRequest,
 }
 
-impl Wish {
-    /// The request of a call's arguments.
-    pub(super) fn new(
-        (place_m, kind, body): (Option<f64>, &str, Option<SensorBody>),
-        input: &str,
-        band: Band,
-        circuit: Circuit,
-    ) -> Result<Self, Failure> {
-        let kind = sensor_kind("kind", kind)?;
-        let sensor = match (input, place_m) {
-            ("sensor", Some(place_m)) => Some((place_m, kind, body)),
-            ("sensor", None) => {
-                return Err(Failure::wrong_arguments("place_m of measure()", "the sensor's place"));
-            }
-            ("current", _) => None,
-            _ => {
-                let given = format_args!("input = {input:?}");
-                return Err(Failure::refused(must_be(given, "\"sensor\" or \"current\"")));
-            }
-        };
-        let frequencies = band.frequencies()?;
-        let request = MeasureRequest { frequencies, is_sweep: band.sweep, known: circuit.known()? };
-        Ok(Self { sensor, request })
+/// The sensor of a call's arguments, with its mass and its width.
+pub(super) fn asked_sensor(
+    input: &str,
+    place_m: Option<f64>,
+    kind: &str,
+    (mass_kg, width_m): (f64, f64),
+) -> Result<Option<Sensor>, Failure> {
+    let body = SensorBody::new(mass_kg, width_m).map_err(|error| Failure::of(&error))?;
+    let kind = sensor_kind("kind", kind)?;
+    match (input, place_m) {
+        ("sensor", Some(place_m)) => Ok(Some(Sensor { place_m, kind, input: 0, body })),
+        ("sensor", None) => Err(Failure::wrong_arguments("place_m of measure()", "the sensor's place")),
+        ("current", _) => Ok(None),
+        _ => Err(Failure::refused(must_be(format_args!("input = {input:?}"), "\"sensor\" or \"current\""))),
     }
+}
 
+/// The frequencies of a measurement and their level.
+pub(super) fn frequencies(
+    points: Option<i64>,
+    low_hz: Option<f64>,
+    high_hz: Option<f64>,
+    level: Option<f64>,
+) -> Result<Frequencies, Failure> {
+    let points = points.map(|points| count_in("points", points, POINTS)).transpose()?;
+    optional("level", level, LEVEL)?;
+    Ok(Frequencies { low_hz, high_hz, points, level })
+}
+
+/// The drive circuit of a measurement: all values or none.
+pub(super) fn circuit(
+    amplifier_v: Option<f64>,
+    coil_ohm: Option<f64>,
+    piezo_f: Option<f64>,
+    shunt_a: Option<f64>,
+    bandwidths: Bandwidths,
+) -> Result<Option<KnownDrive>, Failure> {
+    optional("amplifier_bandwidth_hz", bandwidths.amplifier_hz, BANDWIDTH)?;
+    optional("filter_bandwidth_hz", bandwidths.filter_hz, BANDWIDTH)?;
+    optional("amplifier_v", amplifier_v, AMPLIFIER)?;
+    optional("coil_ohm", coil_ohm, COIL)?;
+    optional("piezo_f", piezo_f, PIEZO)?;
+    optional("shunt_a", shunt_a, SHUNT)?;
+    circuit_of(amplifier_v, coil_ohm, piezo_f, shunt_a, bandwidths).map_err(|IncompleteCircuit| {
+        let given = "the drive circuit of measure()";
+        Failure::wrong_arguments(given, "amplifier_v, shunt_a, and one of coil_ohm and piezo_f")
+    })
+}
+
+impl Wish {
     /// The sensor on this plate.
-    pub(super) fn sensor_on(&self, plate: &Plate) -> Result<Sensor, Failure> {
-        let Some((place_m, kind, body)) = self.sensor else { return Ok(current_sensor()) };
-        let on_plate = Range::new(0.0, plate.length_m(), "m");
-        OutOfRange::check("place_m", place_m, on_plate).map_err(|it| Failure::out_of_range(&it))?;
-        Ok(Sensor { place_m, kind, input: 0, body })
+    fn sensor_on(&self, plate: &Plate) -> Result<Sensor, Failure> {
+        let Some(sensor) = self.sensor else { return Ok(current_sensor()) };
+        in_range("place_m", sensor.place_m, Range::new(0.0, plate.length_m(), "m"))?;
+        Ok(sensor)
     }
 
     /// Moves the sensor of the simulated rig to its place.
-    pub(super) fn put_sensor(&self, rig: Option<&PreparedRig>, sensor: Sensor) -> Result<(), Failure> {
+    fn put_sensor(&self, rig: Option<&PreparedRig>, sensor: Sensor) -> Result<(), Failure> {
         let Some(rig) = rig.filter(|_| self.sensor.is_some()) else { return Ok(()) };
         if sensor.kind != SensorKind::Displacement {
             let text = "the sensor of the simulated device measures displacement: leave out kind";
@@ -94,41 +100,6 @@ impl Wish {
             return Err(Failure::refused(text));
         }
         rig.hand().put_sensor(sensor.place_m).map_err(|error| Failure::of(&error))
-    }
-}
-
-impl Band {
-    /// The frequencies and their level.
-    pub(super) fn frequencies(&self) -> Result<Frequencies, Failure> {
-        let Self { points, low_hz, high_hz, level, .. } = *self;
-        let points = points.map(|points| count_in("points", points, POINTS)).transpose()?;
-        optional("level", level, LEVEL)?;
-        Ok(Frequencies { low_hz, high_hz, points, level })
-    }
-}
-
-impl Circuit {
-    /// None: the drive is not checked.
-    pub(super) const UNKNOWN: Self = Self {
-        amplifier_v: None,
-        coil_ohm: None,
-        piezo_f: None,
-        shunt_a: None,
-        bandwidths: Bandwidths { amplifier_hz: None, filter_hz: None },
-    };
-
-    fn known(self) -> Result<Option<KnownDrive>, Failure> {
-        let Self { amplifier_v, coil_ohm, piezo_f, shunt_a, bandwidths } = self;
-        optional("amplifier_bandwidth_hz", bandwidths.amplifier_hz, BANDWIDTH)?;
-        optional("filter_bandwidth_hz", bandwidths.filter_hz, BANDWIDTH)?;
-        optional("amplifier_v", amplifier_v, AMPLIFIER)?;
-        optional("coil_ohm", coil_ohm, COIL)?;
-        optional("piezo_f", piezo_f, PIEZO)?;
-        optional("shunt_a", shunt_a, SHUNT)?;
-        circuit_of(amplifier_v, coil_ohm, piezo_f, shunt_a, bandwidths).map_err(|IncompleteCircuit| {
-            let given = "the drive circuit of measure()";
-            Failure::wrong_arguments(given, "amplifier_v, shunt_a, and one of coil_ohm and piezo_f")
-        })
     }
 }
 

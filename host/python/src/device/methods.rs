@@ -1,11 +1,12 @@
 //! What Python calls on a device.
 
 use super::drive::At;
-use super::measure::{Band, Circuit, Wish};
+use super::lab::profile_fields;
+use super::measure::{Wish, asked_sensor, circuit, frequencies};
 use super::step::{Step, asked_tone, further_tone};
 use super::wait::{Awaited, Limits, SampleIndex};
 use super::{Block, Device, Loaded, closed, lock, may_be_armed, take_signal};
-use crate::arguments::{count_in, items};
+use crate::arguments::{count_in, in_range, items};
 use crate::coroutine::{Coroutine, Rest, StatusIterator};
 use crate::error::Failure;
 use crate::measurement::Measurement;
@@ -17,14 +18,14 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 use slipline_instrument::device_info::DeviceInfo;
 use slipline_instrument::hold::{Holding, MAX_RISE};
-use slipline_instrument::measure::{Bandwidths, verify_windows_s};
+use slipline_instrument::measure::{Bandwidths, LEVEL, SWEEP_S, verify_windows_s};
 use slipline_instrument::native::ArmingConsent;
 use slipline_instrument::profile_file;
+use slipline_instrument::requests::MeasureRequest;
 use slipline_instrument::selftest::SelftestRequest;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::simulation::table_for;
-use slipline_plate::calibrate::SensorBody;
-use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::quantity::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -225,7 +226,7 @@ impl Device {
     /// left. Each step is a call, which renews ``unattended_s``.
     #[pyo3(signature = (period_s=0.1))]
     fn watch<'py>(slf: &Bound<'py, Self>, period_s: f64) -> PyResult<StatusIterator<'py>> {
-        OutOfRange::check("period_s", period_s, PERIODS).map_err(|it| Failure::out_of_range(&it))?;
+        in_range("period_s", period_s, PERIODS)?;
         let watch = slf.py().import("slipline._waiting")?.getattr("watch")?;
         Ok(StatusIterator(watch.call1((slf, period_s))?))
     }
@@ -255,7 +256,7 @@ impl Device {
     /// ``TimeoutError`` after ``timeout`` seconds.
     #[pyo3(signature = (max_rise_db=12.0, *, timeout=None))]
     fn hold(&self, py: Python<'_>, max_rise_db: f64, timeout: Option<f64>) -> PyResult<()> {
-        OutOfRange::check("max_rise_db", max_rise_db, MAX_RISE).map_err(|it| Failure::out_of_range(&it))?;
+        in_range("max_rise_db", max_rise_db, MAX_RISE)?;
         let limits = Limits::new(timeout, None)?;
         let (plate, began) = (self.loaded()?.plate, lock(&self.state).began);
         self.call(py, move |client| {
@@ -303,12 +304,12 @@ impl Device {
         sensor_width_m: f64,
     ) -> PyResult<Measurement> {
         self.check_block("measure()")?;
-        let band = Band { points, low_hz, high_hz, level, sweep };
         let bandwidths = Bandwidths { amplifier_hz: amplifier_bandwidth_hz, filter_hz: filter_bandwidth_hz };
-        let circuit = Circuit { amplifier_v, coil_ohm, piezo_f, shunt_a, bandwidths };
-        let body =
-            SensorBody::new(sensor_mass_kg, sensor_width_m).map_err(|it| Failure::out_of_range(&it))?;
-        self.measure_plate(py, Wish::new((place_m, kind, body), input, band, circuit)?)
+        let sensor = asked_sensor(input, place_m, kind, (sensor_mass_kg, sensor_width_m))?;
+        let frequencies = frequencies(points, low_hz, high_hz, level)?;
+        let known = circuit(amplifier_v, coil_ohm, piezo_f, shunt_a, bandwidths)?;
+        let request = MeasureRequest { frequencies, is_sweep: sweep, known };
+        self.measure_plate(py, Wish { sensor, request })
     }
 
     /// Measures the second and third harmonic that the drive adds to tones, as ``slipline measure --harmonics``, by a sensor at
@@ -330,10 +331,9 @@ impl Device {
         sensor_width_m: f64,
     ) -> PyResult<Answer<Harmonics>> {
         self.check_block("measure_harmonics()")?;
-        let body =
-            SensorBody::new(sensor_mass_kg, sensor_width_m).map_err(|it| Failure::out_of_range(&it))?;
-        let band = Band { points: None, low_hz: None, high_hz: None, level: Some(level), sweep: false };
-        let wish = Wish::new((Some(place_m), kind, body), "sensor", band, Circuit::UNKNOWN)?;
+        let sensor = asked_sensor("sensor", Some(place_m), kind, (sensor_mass_kg, sensor_width_m))?;
+        in_range("level", level, LEVEL)?;
+        let wish = Wish { sensor, request: MeasureRequest::default() };
         self.measure_harmonics_of(py, wish, points, level)
     }
 
@@ -358,9 +358,10 @@ impl Device {
         sweep: bool,
     ) -> PyResult<Answer<Trim>> {
         self.check_block("trim()")?;
-        let band = Band { points, low_hz, high_hz, level: Some(level), sweep };
-        let wish = Wish::new((Some(place_m), kind, None), "sensor", band, Circuit::UNKNOWN)?;
-        self.trim_plate(py, wish, duration_s)
+        let sensor = asked_sensor("sensor", Some(place_m), kind, (0.0, 0.0))?;
+        let frequencies = frequencies(points, low_hz, high_hz, Some(level))?;
+        let request = MeasureRequest { frequencies, is_sweep: sweep, known: None };
+        self.trim_plate(py, Wish { sensor, request }, duration_s)
     }
 
     /// Plays a sweep twice for a separate recorder, as ``slipline sweep``, and writes its description into the file ``path``, which
@@ -381,14 +382,15 @@ impl Device {
         level: f64,
     ) -> PyResult<Answer<Sweep>> {
         self.check_block("sweep()")?;
-        let band = Band { points, low_hz, high_hz, level: Some(level), sweep: true };
-        self.sweep_plate(py, path, band, duration_s)
+        in_range("duration_s", duration_s, SWEEP_S)?;
+        let frequencies = frequencies(points, low_hz, high_hz, Some(level))?;
+        self.sweep_plate(py, path, frequencies, duration_s)
     }
 
     /// The profile of the board's actuator, as ``slipline profile``: the limits that the device itself keeps, for every program.
     /// ``profile`` of the result is ``None`` where it keeps none.
     fn profile(&self, py: Python<'_>) -> PyResult<Answer<Profile>> {
-        self.show_profile(py)
+        Answer::of(py, self.call(py, profile_fields)?)
     }
 
     /// Stores a profile in the board's flash, as ``slipline profile write``: the text of its file, TOML. Press the board's user button
@@ -417,7 +419,7 @@ impl Device {
         let (plate, consent) = (self.loaded()?.plate, lock(&self.state).consent);
         let verified = self.call(py, move |client| {
             let windows = verify_windows_s(f64::from(client.identity()?.sample_rate_hz));
-            OutOfRange::check("window_s", window_s, windows).map_err(|it| Failure::out_of_range(&it))?;
+            in_range("window_s", window_s, windows)?;
             may_be_armed(client, consent)?;
             client.disarm()?;
             Ok(fields(&client.verify(&plate, tones, window_s)?))

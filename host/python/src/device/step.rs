@@ -41,7 +41,7 @@ pub(super) fn asked_tone(
 
 /// A further tone: a dictionary of a place and a level, which is that of the drive by default.
 pub(super) fn further_tone(tone: &Bound<'_, PyDict>, level: f64) -> PyResult<ToneRequest> {
-    let mut options = Options::new("drive", Some(tone))?;
+    let mut options = Options::new("drive", tone)?;
     let places = ["felt_edge_m", "turning_point_m", "frequency_hz"];
     let [felt_edge_m, turning_point_m, frequency_hz] = places.map(|name| options.number(name));
     let level = options.number_in("level", LEVEL)?.unwrap_or(level);
@@ -81,7 +81,7 @@ impl Step {
 
     /// A step of a sequence, with its sample index.
     pub(super) fn read(given: &Bound<'_, PyDict>) -> PyResult<(u64, Self)> {
-        let mut options = Options::new("sequence", Some(given))?;
+        let mut options = Options::new("sequence", given)?;
         let Some(at) = options.take("at")? else {
             return Err(Failure::wrong_arguments(
                 "a drive of sequence() without at",

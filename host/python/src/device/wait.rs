@@ -1,6 +1,7 @@
 //! Waiting for a sample index, for a time by the device's clock, or for the beginning of a drive.
 
 use super::{Device, lock};
+use crate::arguments::{in_range, optional};
 use crate::error::{Exception, Failure};
 use crate::result::ResultArgument;
 use pyo3::inspect::PyStaticExpr;
@@ -8,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyInt;
 use pyo3::{Borrowed, type_hint_union};
 use slipline_instrument::native::{Client, InterruptibleLink};
-use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::quantity::Range;
 use std::time::{Duration, Instant};
 
 /// Times of waits and of their limits.
@@ -73,8 +74,7 @@ pub(super) struct Limits {
 impl Limits {
     /// At most `timeout` seconds from now; `is_cancelled` is asked every 50 ms.
     pub(super) fn new(timeout: Option<f64>, is_cancelled: Option<Py<PyAny>>) -> Result<Self, Failure> {
-        let allowed = |timeout_s| OutOfRange::check("timeout", timeout_s, WAITS);
-        timeout.map_or(Ok(()), allowed).map_err(|it| Failure::out_of_range(&it))?;
+        optional("timeout", timeout, WAITS)?;
         let until = timeout.map(|timeout_s| Instant::now() + Duration::from_secs_f64(timeout_s));
         Ok(Self { timeout_s: timeout, until, is_cancelled })
     }
@@ -153,7 +153,7 @@ impl Device {
             (Some(Awaited::Index(index)), None) => self.wait_until(py, |_| Ok(index), limits),
             (Some(Awaited::Drive(drive)), None) => self.wait_for_drive(py, &drive, limits),
             (None, Some(seconds)) => {
-                OutOfRange::check("seconds", seconds, WAITS).map_err(|it| Failure::out_of_range(&it))?;
+                in_range("seconds", seconds, WAITS)?;
                 let index = move |client: &Client<InterruptibleLink>| -> Result<u64, Failure> {
                     let rate_hz = f64::from(client.identity()?.sample_rate_hz);
                     Ok(client.refresh()?.saturating_add((seconds * rate_hz).round() as u64))

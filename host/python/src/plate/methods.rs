@@ -24,7 +24,7 @@ use slipline_model::answer::table::BuiltTable;
 use slipline_model::field::asked_place::turning_point_on;
 use slipline_model::field::simulation::{SAMPLE_RATE_HZ, table_for_watched};
 use slipline_plate::check::Conditions;
-use slipline_plate::quantity::{OutOfRange, PlaceOrFrequency, Range};
+use slipline_plate::quantity::{PlaceOrFrequency, Range};
 use slipline_plate::texture::Palette;
 use slipline_plate::{KNOTS_MAX, PLATE_FILE_BYTES_MAX, PlateFileError, sample_rates};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -99,7 +99,7 @@ impl Plate {
     ) -> PyResult<Bound<'py, PyAny>> {
         let frequencies_hz = frequency_hz.one_or_more("frequency_hz", SERIES_MAX)?;
         let turns = |hz| turning_point_on(PlaceOrFrequency::Frequency(hz), &self.plate);
-        frequencies_hz.map(|hz| turns(hz).map_err(|it| Failure::out_of_range(&it)))?.into_python(py)
+        frequencies_hz.map(|hz| turns(hz).map_err(|it| Failure::of(&it)))?.into_python(py)
     }
 
     /// The plate with other numbers: ``plate.replace(loss_factor=0.02, taper={"rate_per_m": 4.1})``. Paths of the file are taken,
@@ -164,8 +164,7 @@ impl Plate {
         let asked = at_most_one(felt_edge_m, turning_point_m, frequency_hz)?;
         let plate = Arc::clone(&self.plate);
         let found = compute(py, move |progress| {
-            OutOfRange::check("level", level, crate::place::LEVEL)
-                .map_err(|it| Failure::out_of_range(&it))?;
+            in_range("level", level, crate::place::LEVEL)?;
             let turns =
                 |asked| crate::place::turning_point_m(asked, &plate, level, &mut progress.part(0.0, 0.4));
             let turning_point_m = asked.map(turns).transpose()?;

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// The frequency whose wave turns at a place of the plate's span, Hz.
 pub(super) fn frequency_of(plate: &Plate, place_m: f64) -> Result<f64, Failure> {
     let place_m = turning_point_on(PlaceOrFrequency::Place(place_m), plate);
-    let place_m = place_m.map_err(|refused| Failure::out_of_range(&refused))?;
+    let place_m = place_m.map_err(|refused| Failure::of(&refused))?;
     Ok(plate.frequency_for_boundary_hz(place_m))
 }
 

@@ -1,9 +1,11 @@
-//! Lights and calibrations of the tests' windows: computed once, as many windows ask for the same few.
+//! Tables, lights and calibrations of the tests' windows: computed once, as many windows ask for the same few.
 
 use slipline_instrument::jobs::calibrate::{self, CalibrateDone, CalibrateJob};
 use slipline_model::jobs::check::{self, CheckJob, Checked};
+use slipline_model::jobs::table::{self, TableMade};
 use slipline_model::jobs::{JobQueue, Task};
-use std::sync::{Mutex, PoisonError};
+use slipline_window::app::{TableJob, TableState};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A queue that does each job at once, or knows its result. The window knows a result by its own job, which `of` puts in.
 fn knowing<Job: Clone + Send + 'static, Done: Clone + Send + 'static>(
@@ -22,6 +24,20 @@ fn knowing<Job: Clone + Send + 'static, Done: Clone + Send + 'static>(
         known().push((job, done.clone()));
         Some(done)
     })
+}
+
+/// The tables of plates.
+pub(crate) fn tables() -> JobQueue<TableJob, TableState> {
+    static KNOWN: Mutex<Vec<(TableJob, TableState)>> = Mutex::new(Vec::new());
+    let is_same = |a: &TableJob, b: &TableJob| {
+        (a.sample_rate_hz, a.max_knots) == (b.sample_rate_hz, b.max_knots) && a.plate == b.plate
+    };
+    // The window knows its plate by the one that it has asked for.
+    let of = |job: TableJob, done: TableState| {
+        let TableState::Ready(made) = &done else { return done };
+        TableState::Ready(Arc::new(TableMade { plate: job.plate, ..TableMade::clone(made) }))
+    };
+    knowing(&KNOWN, is_same, table::make, of)
 }
 
 /// The lights of plates and boundaries.

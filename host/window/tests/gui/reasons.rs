@@ -24,8 +24,9 @@ fn a_bad_place_leaves_the_frequency_where_it_is() {
     let before = beside(&app);
     let panel = rect(&app, Role::Button, "Play").right();
     for (text, reason) in [
-        ("1e30", "outside"),
-        ("1 Hz", "cannot enter"),
+        ("1e30", "outside 80 to 280 mm"),
+        ("12 bananas", "is no unit that fits here"),
+        ("1 Hz", "cannot enter this plate"),
         ("abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrstuvwxyz", "does not begin"),
     ] {
         type_into(&mut app, "Boundary position", text);
@@ -96,4 +97,5 @@ fn a_bad_number_of_the_plate_is_reported_in_the_words_of_the_panel() {
         app.wait(100);
         assert!(app.has(reason), "{field}: {reason}");
     }
+    assert!(app.window.state().setup().plate.spec().loss_factor < 0.5);
 }

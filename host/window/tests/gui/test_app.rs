@@ -2,8 +2,7 @@
 
 use crate::fake_files::FakeFiles;
 use crate::fake_speaker::FakeSpeaker;
-use crate::known_results::{calibrations, checks};
-use crate::known_tables::tables;
+use crate::known_results::{calibrations, checks, tables};
 use crate::pluggable_port::{SteppedLink, SteppedWorker};
 use eframe::egui;
 use egui_kittest::Harness;

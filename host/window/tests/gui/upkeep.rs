@@ -6,10 +6,10 @@ use crate::real_device;
 use crate::test_app::{TestApp, click, open_window, opened};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, HarnessBuilder};
-use slipline_link::Request;
 use slipline_link::protocol::board::{Analogue, BoardReport, MuteResistor};
 use slipline_link::protocol::command::TravelLimit;
 use slipline_link::protocol::event::{Maintenance, State};
+use slipline_link::{Request, Snapshot};
 use slipline_window::app::App;
 use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
@@ -81,16 +81,6 @@ fn a_board_without_a_profile_of_its_actuator_asks_once_before_it_is_armed() {
 }
 
 #[test]
-fn the_device_panel_says_that_a_board_without_its_mute_resistor_stays_muted() {
-    let mut link = telling(State::Idle, None);
-    let missing = BoardReport { mute_resistor: MuteResistor::Missing, ..BoardReport::default() };
-    Arc::make_mut(&mut link.snapshot).device.board = Some(missing);
-    let mut window = opened(link, [1280.0, 800.0]);
-    click(&mut window, "Device");
-    assert!(window.query_by_label_contains("Muted: no resistor at the mute pin.").is_some());
-}
-
-#[test]
 fn a_profile_of_the_actuator_is_opened_shown_and_written_to_a_real_board() {
     let files = FakeFiles::default();
     let text = "name = \"coil\"\nmax_sum = 0.8\n".to_owned();
@@ -130,36 +120,6 @@ fn a_profile_of_the_actuator_is_opened_shown_and_written_to_a_real_board() {
 }
 
 #[test]
-fn the_device_panel_warns_of_a_block_that_takes_nine_tenths_of_its_time_or_more() {
-    for (max_cycles, wanted) in [(48_000, None), (50_000, Some("50000 (93 %)"))] {
-        let mut link = telling(State::Idle, None);
-        let snapshot = Arc::make_mut(&mut link.snapshot);
-        snapshot.drive.status.as_mut().unwrap().counters.max_cycles = max_cycles;
-        // Blocks of 128 codes at 400 kS/s, or 53 760 cycles of this clock.
-        snapshot.device.board = Some(BoardReport { core_hz: 168_000_000, ..BoardReport::default() });
-        let mut window = opened(link, [1280.0, 1400.0]);
-        click(&mut window, "Device");
-        let warns = window.query_by_label_contains("took 93 % of a block's time").is_some();
-        assert_eq!(warns, wanted.is_some(), "{max_cycles}");
-        assert!(wanted.is_none_or(|text| window.query_by_label(text).is_some()), "{max_cycles}");
-    }
-}
-
-#[test]
-fn the_device_panel_shows_the_wear_of_the_flash_and_the_brown_out_level() {
-    let worn = Maintenance { erasures: 20_001, ..UNGUARDED };
-    let link = telling(State::Idle, Some(worn));
-    let mut window = opened(link, [1280.0, 800.0]);
-    click(&mut window, "Device");
-    for text in ["20001 of 20000 times", "not set"] {
-        assert!(window.query_by_label(text).is_some(), "{text}");
-    }
-    for text in ["flash has been erased 20001 times", "brown-out level of this board is not set"] {
-        assert!(window.query_by_label_contains(text).is_some(), "{text}");
-    }
-}
-
-#[test]
 fn the_brown_out_level_is_set_behind_a_question_that_names_the_risk() {
     let link = telling(State::Idle, Some(UNGUARDED));
     let mut window = opened(link.clone(), [1280.0, 800.0]);
@@ -177,24 +137,6 @@ fn the_brown_out_level_is_set_behind_a_question_that_names_the_risk() {
     );
     click(&mut window, "Device");
     assert!(window.query_by_label("Set brown-out level…").is_none());
-}
-
-#[test]
-fn the_device_panel_reports_whether_the_actuators_travel_is_limited() {
-    let limit = TravelLimit { resonance_uhz: 50_000_000, quality_per_mille: 4000, static_ppm: 2_000_000 };
-    for (minor, limit, wanted) in [
-        (1, Some(limit), "limited by the device"),
-        (1, None, "not limited"),
-        (0, None, "not limited: the firmware is too old"),
-    ] {
-        let mut link = real_device(State::Idle);
-        let snapshot = Arc::make_mut(&mut link.snapshot);
-        Arc::make_mut(snapshot.device.identity.as_mut().unwrap()).version.minor = minor;
-        snapshot.drive.travel_limit = limit;
-        let mut window = opened(link, [1280.0, 800.0]);
-        click(&mut window, "Device");
-        assert!(window.query_by_label(wanted).is_some(), "{wanted}");
-    }
 }
 
 #[test]
@@ -240,15 +182,56 @@ fn the_meters_count_with_the_linear_share_of_a_boards_output() {
     assert_eq!(shown(975, 880), [-0.9]);
 }
 
+/// The device panel beside a board that is like this shows these words, and not those.
+fn panel(change: impl FnOnce(&mut Snapshot), shown: &[&str], hidden: &[&str]) -> Harness<'static, App> {
+    let mut link = telling(State::Idle, None);
+    change(Arc::make_mut(&mut link.snapshot));
+    let mut window = opened(link, [1280.0, 1400.0]);
+    click(&mut window, "Device");
+    let shows = |words: &str| window.query_all_by_label_contains(words).next().is_some();
+    assert!(shown.iter().all(|words| shows(words)), "{shown:?}");
+    assert!(!hidden.iter().any(|words| shows(words)), "{hidden:?}");
+    window
+}
+
 #[test]
-fn the_device_panel_warns_of_a_wrong_reference_voltage() {
-    for (reference_mv, warns) in [(0, false), (3300, false), (2700, true)] {
-        let mut link = telling(State::Idle, None);
-        let analogue = Analogue { reference_mv, linear_per_mille: 880, ..Analogue::default() };
-        Arc::make_mut(&mut link.snapshot).device.analogue = Some(analogue);
-        let mut window = opened(link, [1280.0, 1400.0]);
-        click(&mut window, "Device");
-        let is_warned = window.query_by_label_contains("The reference voltage VREF+ is 2.70 V").is_some();
-        assert_eq!(is_warned, warns, "{reference_mv} mV");
-    }
+fn the_device_panel_says_what_a_board_reports_and_warns_of_what_is_wrong() {
+    let missing = BoardReport { mute_resistor: MuteResistor::Missing, ..BoardReport::default() };
+    panel(|it| it.device.board = Some(missing), &["Muted: no resistor at the mute pin."], &[]);
+
+    let worn = Maintenance { erasures: 20_001, ..UNGUARDED };
+    let said =
+        ["20001 of 20000 times", "flash has been erased 20001 times", "level of this board is not set"];
+    let window = panel(|it| it.device.maintenance = Some(worn), &said, &[]);
+    assert!(window.query_by_label("not set").is_some());
+
+    // A block of nine tenths of its time or more.
+    let took = |max_cycles| {
+        move |it: &mut Snapshot| {
+            it.drive.status.as_mut().unwrap().counters.max_cycles = max_cycles;
+            // Blocks of 128 codes at 400 kS/s, or 53 760 cycles of this clock.
+            it.device.board = Some(BoardReport { core_hz: 168_000_000, ..BoardReport::default() });
+        }
+    };
+    let warning = "took 93 % of a block's time";
+    panel(took(48_000), &[], &[warning]);
+    panel(took(50_000), &["50000 (93 %)", warning], &[]);
+
+    let refers = |reference_mv| Some(Analogue { reference_mv, linear_per_mille: 880, ..Analogue::default() });
+    let warning = "The reference voltage VREF+ is 2.70 V";
+    panel(|it| it.device.analogue = refers(0), &[], &[warning]);
+    panel(|it| it.device.analogue = refers(3300), &[], &[warning]);
+    panel(|it| it.device.analogue = refers(2700), &[warning], &[]);
+
+    let limit = TravelLimit { resonance_uhz: 50_000_000, quality_per_mille: 4000, static_ppm: 2_000_000 };
+    let limits = |minor, limit| {
+        move |it: &mut Snapshot| {
+            Arc::make_mut(it.device.identity.as_mut().unwrap()).version.minor = minor;
+            it.drive.travel_limit = limit;
+        }
+    };
+    let too_old = "not limited: the firmware is too old";
+    panel(limits(1, Some(limit)), &["limited by the device"], &["not limited"]);
+    panel(limits(1, None), &["not limited"], &[too_old]);
+    panel(limits(0, None), &[too_old], &[]);
 }

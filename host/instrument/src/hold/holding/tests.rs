@@ -4,7 +4,7 @@
 use super::*;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
-use slipline_link::{DeviceTable, DriveRequest, HoldLimit, HoldState, LinkState, Sounding};
+use slipline_link::{DeviceTable, DriveRequest, LinkState, Sounding};
 use slipline_model::field::simulation::table_for;
 use slipline_plate::preset;
 use std::sync::LazyLock;
@@ -28,14 +28,6 @@ struct Sensor {
 }
 
 impl SimulatedInputs for Sensor {
-    fn inputs(&self) -> usize {
-        1
-    }
-
-    fn delay_ns(&self) -> i32 {
-        0
-    }
-
     fn sample(&mut self, codes: &[u16; 128], _muted: bool, sensed: &mut [[u16; 128]; 2]) {
         let shows = i32::from(self.shows.load(Ordering::Relaxed));
         for (sensed, &code) in sensed[0].iter_mut().zip(codes) {
@@ -223,34 +215,6 @@ fn in_silence_it_waits_and_what_sounds_later_is_held() {
     assert_eq!(bench.standing(), Standing::Silent);
     bench.drive(0.24, 0.3);
     bench.until_held();
-}
-
-#[test]
-fn at_a_limit_it_says_so_and_goes_on() {
-    let mut bench = Bench::driving(0.24, 0.3);
-    bench.switch_on(3.0);
-    bench.until_held();
-    bench.show(TOUCHED);
-    bench.until("a limit", |standing| standing.to_string() == "Holding, at a limit");
-    let Standing::Holding(Some(held)) = bench.standing() else { panic!() };
-    assert_eq!(held.tones[0].state, HoldState::AtLimit(HoldLimit::Rise));
-    assert!((bench.correction_db() - 3.0).abs() < 0.1);
-    bench.show(FREE);
-    bench.until_held();
-}
-
-#[test]
-fn a_lost_sensor_ends_it_with_the_reason_and_in_the_drives_level() {
-    let mut bench = Bench::driving(0.24, 0.3);
-    let free = bench.sum_per_mille();
-    bench.switch_on(12.0);
-    bench.until_held();
-    bench.show(UNPLUGGED);
-    let end = bench.until_off();
-    assert!(end.is_trouble() && end.to_string().ends_with("the sensor's input does not move"), "{end}");
-    bench.pass(10, true);
-    assert_eq!(bench.sum_per_mille(), free);
-    assert!(!bench.holding.is_on(), "it does not begin again by itself");
 }
 
 #[test]

@@ -1,70 +1,29 @@
 //! The measurement of the drive's harmonics, as `slipline measure --harmonics` makes it. What ends a measurement ends it, too.
 
-use super::{LOOK, Reach};
-use crate::instrument::shown::Progress;
-use crate::measure::{AfterCheck, MeasureError, MeasuringHarmonics, Run};
-use slipline_link::{Severity, Ticket};
+use super::rig::Awaiting;
+use super::under_way::UnderWay;
+use super::{Lab, Reach};
+use crate::measure::{AfterCheck, HarmonicsPlan, MeasureError, MeasuringHarmonics};
+use slipline_link::Severity;
 use slipline_plate::Plate;
 use std::sync::Arc;
 
 /// Number of fundamentals.
-pub(super) const POINTS: usize = 8;
+const POINTS: usize = 8;
 
-/// The measurement under way, and the plate that it measures.
+/// The measurement of the drive's harmonics.
 #[derive(Default)]
 pub(super) struct Harmonics {
-    run: Option<(Run<AfterCheck<MeasuringHarmonics>>, Arc<Plate>)>,
-    /// Whether it begins once the simulated device has its sensor.
-    pub(super) awaits_rig: bool,
+    pub(super) under_way: UnderWay<AfterCheck<MeasuringHarmonics>>,
     /// The plate with the measured harmonics, until it is in the setup.
     pub(super) found: Option<Arc<Plate>>,
 }
 
 impl Harmonics {
-    /// Begins.
-    pub(super) fn begin(&mut self, measuring: AfterCheck<MeasuringHarmonics>, reach: &mut Reach<'_>) {
-        reach.drive.make_ready();
-        reach.drive.give_up();
-        reach.desk.end_replay();
-        reach.drive.note(Severity::Info, "Measuring the drive's harmonics.".to_owned());
-        self.run = Some((Run::of(measuring), Arc::clone(reach.desk.plate())));
-    }
-
-    pub(super) const fn is_running(&self) -> bool {
-        self.run.is_some() || self.awaits_rig
-    }
-
-    /// How far it is, when the device is at sample `now`.
-    pub(super) fn progress(&self, now: u64) -> Option<Progress> {
-        let share = self.run.as_ref().map(|(run, _)| run.progress(now) as f32);
-        share.or(self.awaits_rig.then_some(0.0)).map(|share| Progress { share, left_s: None })
-    }
-
-    /// Whether it handles this request's outcome.
-    pub(super) fn awaits(&self, ticket: Ticket) -> bool {
-        self.run.as_ref().is_some_and(|(run, _)| run.awaits(ticket))
-    }
-
-    /// Cancels it.
-    pub(super) fn cancel(&mut self) {
-        self.awaits_rig = false;
-        if let Some((run, _)) = &mut self.run {
-            run.cancel();
-        }
-    }
-
-    /// Passes the device's outcomes on, and sends the next request.
+    /// Continues the measurement under way, and reports its end.
     pub(super) fn update(&mut self, reach: &mut Reach<'_>) {
-        let Some((run, plate)) = &mut self.run else { return };
-        if !Arc::ptr_eq(plate, reach.desk.plate()) {
-            run.cancel();
-        }
-        let drive = &*reach.drive;
-        if run.turn(drive.snapshot(), |request| drive.send(request)) {
-            return reach.out.wake_after(LOOK);
-        }
-        let Some((run, plate)) = self.run.take() else { return };
-        let found = match run.finish() {
+        let Some((found, plate)) = self.under_way.turn(reach) else { return };
+        let found = match found {
             Ok(found) => found,
             Err(MeasureError::Cancelled) => {
                 return reach.out.post("The measurement was cancelled.".to_owned());
@@ -82,6 +41,23 @@ impl Harmonics {
                 self.found = Some(Arc::new(measured));
             }
             Err(error) => reach.out.fail(format!("Not measured: {error}.")),
+        }
+    }
+}
+
+impl Lab {
+    /// Starts the measurement at the place and level of the draft, or reports the obstacle.
+    pub(super) fn begin_harmonics(&mut self, reach: &mut Reach<'_>) {
+        let level = self.live.draft.level;
+        let measuring = self.prepared(Awaiting::Harmonics, reach, |reach, inputs, table, sensor| {
+            let plate = reach.desk.plate();
+            let plan = HarmonicsPlan::new(plate, POINTS, level, reach.drive.sample_rate_hz())?;
+            MeasuringHarmonics::new(plate, plan, table, sensor, inputs)
+        });
+        if let Some(measuring) = measuring {
+            reach.drive.make_ready();
+            let text = "Measuring the drive's harmonics.".to_owned();
+            self.harmonics.under_way.begin(measuring, text, reach);
         }
     }
 }

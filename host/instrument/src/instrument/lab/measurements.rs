@@ -1,9 +1,7 @@
 //! The page of measurements: the list, and the comparison of the chosen one with the plate while the page is open.
 
 use super::plate_lists::PlateLists;
-use super::verification::Verification;
 use super::{Lab, MeasureIntent, Reach};
-use crate::hold::HoldEnd;
 use crate::instrument::outbox::Outbox;
 use crate::instrument::shell::{Attention, Output, Page};
 use crate::instrument::shown::{Asked, AskedContent, AskedTable, LiveScene, MeasureScene};
@@ -176,13 +174,8 @@ impl Lab {
             }
             MeasureIntent::Tap => self.rig.tap(),
             MeasureIntent::Harmonics => self.begin_harmonics(reach),
-            MeasureIntent::Verify => {
-                if !self.is_measuring() && Verification::may_begin(reach) {
-                    self.end_hold(HoldEnd::Measured, reach.out);
-                    self.verification.begin(reach);
-                }
-            }
-            MeasureIntent::SelftestDraft(request) => self.board_test.draft(request),
+            MeasureIntent::Verify => self.begin_verification(reach),
+            MeasureIntent::SelftestDraft(request) => self.board_test.request = request,
             MeasureIntent::Selftest => self.begin_selftest(reach),
             MeasureIntent::Cancel => self.cancel_measuring(),
             MeasureIntent::OpenFile => reach.out.push(Output::ChooseMeasurement),

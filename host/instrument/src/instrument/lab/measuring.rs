@@ -2,22 +2,22 @@
 //! lost device and another plate end it; its last request is a stop.
 
 use super::measurements::Measurements;
-use super::rig::Rig;
+use super::rig::{Awaiting, Rig};
 use super::signal::{Looks, SENSOR_INPUT};
-use super::so_far::Course;
+use super::so_far::Answers;
+use super::under_way::UnderWay;
 use super::{LOOK, Lab, MeasureDraft, Reach, is_at_bench};
 use crate::hold::HoldEnd;
 use crate::instrument::drive::Obstacle;
 use crate::instrument::shown::{LiveScene, Progress};
 use crate::jobs::rig::RigJob;
 use crate::measure::{
-    AfterCheck, CURRENT_INPUT, DriveChecking, MeasureError, Measured, Measuring, Plan, Run, Sensor, Wanted,
-    remaining_samples,
+    AfterCheck, CURRENT_INPUT, DriveChecking, MeasureError, Measured, Measuring, Plan, Procedure, Run,
+    Sensor, Wanted, remaining_samples,
 };
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{DeviceTable, Severity, Ticket};
 use slipline_model::jobs::compare::CompareJob;
-use slipline_plate::Plate;
 use slipline_plate::calibrate::DriveCheck;
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;
@@ -25,10 +25,9 @@ use std::sync::Arc;
 /// What is said after a measurement that has ended a drive: nothing but a press of Drive starts it again.
 const DRIVE_ENDED: &str = " The drive was stopped for it: press Drive to resume.";
 
-/// A measurement under way.
-struct UnderWay {
-    measuring: Run<AfterCheck<Measuring>>,
-    plate: Arc<Plate>,
+/// What is known of the measurement under way.
+#[derive(Default)]
+struct Course {
     /// Where its sensor stands, in words.
     place: String,
     /// The calibration's place that it measures, 0 or 1.
@@ -39,23 +38,15 @@ struct UnderWay {
     planned: f64,
     /// The device's sample at its start.
     began: u64,
-    course: Course,
-}
-
-impl UnderWay {
-    /// The share that is done, 0 to 1, and the samples that it still takes, when the device is at sample `now`.
-    fn progress(&self, now: u64) -> (f64, f64) {
-        let share = self.measuring.progress(now);
-        let elapsed = now.saturating_sub(self.began) as f64;
-        (share, remaining_samples(self.planned, share, elapsed))
-    }
+    answers_so_far: Option<Answers>,
 }
 
 /// The state of the measurements with the device.
 #[derive(Default)]
 pub(super) struct Live {
     pub(super) draft: MeasureDraft,
-    run: Option<UnderWay>,
+    pub(super) under_way: UnderWay<AfterCheck<Measuring>>,
+    course: Course,
     /// Why the last measurement failed.
     failed: Option<String>,
     /// Short captures of the input while the sensor is being placed.
@@ -65,15 +56,17 @@ pub(super) struct Live {
 }
 
 impl Live {
-    pub(super) fn scene(&self, (now, rate_hz): (u64, f64), rig: &Rig, is_drive_known: bool) -> LiveScene<'_> {
-        let run = self.run.as_ref().map(|run| run.progress(now));
-        let progress =
-            run.map(|(share, left)| Progress { share: share as f32, left_s: Some(left / rate_hz) });
+    pub(super) fn scene(&self, progress: Option<Progress>, rig: &Rig, is_drive_known: bool) -> LiveScene<'_> {
         LiveScene {
             draft: &self.draft,
-            progress: progress.or(rig.is_awaited().then_some(Progress { share: 0.0, left_s: None })),
-            so_far: self.run.as_ref().map(|run| run.course.scene()),
-            is_checking: self.run.as_ref().is_some_and(|run| run.measuring.is_checking()),
+            progress,
+            so_far: self
+                .course
+                .answers_so_far
+                .as_ref()
+                .filter(|_| self.under_way.is_running())
+                .map(Answers::scene),
+            is_checking: self.is_checking(),
             is_drive_known,
             failed: self.failed.as_deref(),
             signal: self.looks.latest,
@@ -84,26 +77,30 @@ impl Live {
 
     /// What the plate's model is asked for by the measurement under way.
     pub(super) fn wanted_model(&self) -> Option<&CompareJob> {
-        self.run.as_ref()?.course.wanted()
+        self.course.answers_so_far.as_ref()?.wanted()
     }
 
     /// Takes the model's answers, if they are there.
     pub(super) fn take_model(&mut self, measurements: &Measurements) {
-        let Some(run) = &mut self.run else { return };
-        if let Some(answers) = run.course.wanted().and_then(|planned| measurements.model(planned)) {
-            run.course.take(answers);
+        let Some(answers) = &mut self.course.answers_so_far else { return };
+        if let Some(computed) = answers.wanted().and_then(|planned| measurements.model(planned)) {
+            answers.take(computed);
         }
+    }
+
+    fn is_checking(&self) -> bool {
+        self.under_way.run().is_some_and(Run::is_checking)
+    }
+
+    /// The samples that the measurement under way still takes, when the device is at sample `now`.
+    pub(super) fn remaining_samples(&self, now: u64) -> Option<f64> {
+        let elapsed = now.saturating_sub(self.course.began) as f64;
+        self.under_way.share(now).map(|share| remaining_samples(self.course.planned, share, elapsed))
     }
 
     /// Whether the measurement under way handles this request's outcome.
     pub(super) fn awaits(&self, ticket: Ticket) -> bool {
-        self.run.as_ref().is_some_and(|run| run.measuring.awaited() == Some(ticket))
-            || self.looks.awaits(ticket)
-    }
-
-    /// Whether the device is measuring.
-    pub(super) const fn is_running(&self) -> bool {
-        self.run.is_some()
+        self.under_way.awaits(ticket) || self.looks.awaits(ticket)
     }
 }
 
@@ -132,55 +129,56 @@ impl Lab {
 
     /// Starts a measurement, or reports the obstacle.
     pub(super) fn begin_measuring(&mut self, answers: Option<usize>, reach: &mut Reach<'_>) {
-        if self.is_measuring() {
-            return;
-        }
-        self.live.failed = None;
-        match self.prepared_measuring(reach) {
-            Err(refused) => reach.out.hinder(refused.to_string()),
-            Ok(_) if reach.drive.snapshot().is_simulated() && !self.is_rig_standing(reach) => {
-                self.rig.put_together(self.wanted_rig(reach), answers);
-            }
-            Ok(measuring) => {
-                self.end_hold(HoldEnd::Measured, reach.out);
-                reach.drive.make_ready();
-                let has_stopped_drive = reach.drive.is_wanted();
-                self.live.owes_drive |= has_stopped_drive;
-                reach.drive.give_up();
-                reach.desk.end_replay();
-                let place = show_place(self.live.draft.place_m);
-                let plate = Arc::clone(reach.desk.plate());
-                reach.drive.note(Severity::Info, format!("Measuring at {place}."));
-                let planned = measuring.planned_samples();
-                let began = reach.drive.snapshot().drive.status.map_or(0, |status| status.now);
-                let course = Course::new(&plate, measuring.planned());
-                let measuring = Run::of(measuring);
-                self.live.run = Some(UnderWay {
-                    measuring,
-                    plate,
-                    place,
-                    answers,
-                    has_stopped_drive,
-                    planned,
-                    began,
-                    course,
-                });
-            }
-        }
+        let level = self.live.draft.level;
+        let measuring =
+            self.prepared(Awaiting::Measurement(answers), reach, |reach, inputs, table, sensor| {
+                let (plate, rate_hz) = (reach.desk.plate(), reach.drive.sample_rate_hz());
+                let wanted = Wanted { level, ..Wanted::of(plate) };
+                let plan = Plan::new(plate, &wanted, rate_hz, usize::from(inputs.lock_ins))?;
+                Measuring::new(plan, table, sensor, inputs)
+            });
+        let Some(measuring) = measuring else { return };
+        reach.drive.make_ready();
+        let has_stopped_drive = reach.drive.is_wanted();
+        self.live.owes_drive |= has_stopped_drive;
+        let place = show_place(self.live.draft.place_m);
+        let text = format!("Measuring at {place}.");
+        let planned = measuring.planned_samples();
+        let began = reach.drive.snapshot().drive.status.map_or(0, |status| status.now);
+        let answers_so_far = Some(Answers::new(reach.desk.plate(), measuring.planned()));
+        self.live.course = Course { place, answers, has_stopped_drive, planned, began, answers_so_far };
+        self.live.under_way.begin(measuring, text, reach);
     }
 
-    /// The measurement of the draft, or why the device cannot carry it out now.
-    fn prepared_measuring(&self, reach: &Reach<'_>) -> Result<AfterCheck<Measuring>, MeasuringRefused> {
-        let (inputs, table, sensor) = self.sensor_and_table(reach)?;
-        let (plate, rate_hz) = (reach.desk.plate(), reach.drive.sample_rate_hz());
-        let wanted = Wanted { level: self.live.draft.level, ..Wanted::of(plate) };
-        let plan = Plan::new(plate, &wanted, rate_hz, usize::from(inputs.lock_ins))?;
-        let measuring = Measuring::new(plan, Arc::clone(&table), sensor, &inputs)?;
-        Ok(AfterCheck::new(self.checking(reach, &inputs, table)?, measuring))
+    /// A procedure with the sensor of the draft, which may begin now: the level hold has ended. `None` while another one is under way,
+    /// where it waits for the rig, and where the device cannot carry it out, which is reported.
+    pub(super) fn prepared<P: Procedure>(
+        &mut self,
+        awaiting: Awaiting,
+        reach: &mut Reach<'_>,
+        make: impl FnOnce(&Reach<'_>, &InputsReport, Arc<DeviceTable>, Sensor) -> Result<P, MeasureError>,
+    ) -> Option<AfterCheck<P>> {
+        if self.is_measuring() {
+            return None;
+        }
+        self.live.failed = None;
+        let ready = self.sensor_and_table(reach);
+        if ready.is_ok() && self.awaits_rig(awaiting, reach) {
+            return None;
+        }
+        let made = ready.and_then(|(inputs, table, sensor)| {
+            let procedure = make(reach, &inputs, Arc::clone(&table), sensor)?;
+            Ok(AfterCheck::new(self.checking(reach, &inputs, table)?, procedure))
+        });
+        match made {
+            Ok(_) => self.end_hold(HoldEnd::Measured, reach.out),
+            Err(ref refused) => reach.out.hinder(refused.to_string()),
+        }
+        made.ok()
     }
 
     /// The inputs of the device, the plate's table that it holds, and the sensor of the draft, or why the device cannot measure now.
-    pub(super) fn sensor_and_table(
+    fn sensor_and_table(
         &self,
         Reach { desk, drive, .. }: &Reach<'_>,
     ) -> Result<(InputsReport, Arc<DeviceTable>, Sensor), MeasuringRefused> {
@@ -199,7 +197,7 @@ impl Lab {
     }
 
     /// The check of the drive, if the draft asks for one.
-    pub(super) fn checking(
+    fn checking(
         &self,
         Reach { desk, drive, .. }: &Reach<'_>,
         inputs: &InputsReport,
@@ -236,44 +234,63 @@ impl Lab {
         }
     }
 
-    /// Cancels the measurement or the comparison of codes under way.
-    pub(crate) fn cancel_measuring(&mut self) {
-        self.verification.cancel();
-        self.board_test.cancel();
-        self.harmonics.cancel();
+    /// Whether this waits for the rig of the simulated device, which is put together then.
+    pub(super) fn awaits_rig(&mut self, awaiting: Awaiting, reach: &mut Reach<'_>) -> bool {
+        let waits = is_at_bench(reach.drive.snapshot()) && !self.is_rig_standing(reach);
+        if waits {
+            self.end_hold(HoldEnd::Measured, reach.out);
+            self.rig.awaited_for = Some(awaiting);
+            self.rig.refused = None;
+            self.put_rig_up(reach);
+        }
+        waits
+    }
+
+    /// Begins what waits for the rig, once it stands.
+    fn begin_awaiting(&mut self, reach: &mut Reach<'_>) {
+        let Some(awaiting) = self.rig.awaited_for else { return };
+        if is_at_bench(reach.drive.snapshot()) && !self.is_rig_standing(reach) {
+            self.put_rig_up(reach);
+            return reach.out.wake_after(LOOK);
+        }
         self.rig.awaited_for = None;
-        if let Some(run) = &mut self.live.run {
-            run.measuring.cancel();
+        match awaiting {
+            Awaiting::Measurement(answers) => self.begin_measuring(answers, reach),
+            Awaiting::Harmonics => self.begin_harmonics(reach),
+            Awaiting::Selftest => self.begin_selftest(reach),
         }
     }
 
-    /// Passes the device's outcomes on, and sends the next request.
+    /// Cancels what is under way or waits for the rig.
+    pub(crate) fn cancel_measuring(&mut self) {
+        self.rig.awaited_for = None;
+        self.live.under_way.cancel();
+        self.verification.cancel();
+        self.board_test.under_way.cancel();
+        self.harmonics.under_way.cancel();
+    }
+
+    /// Begins what waits for the rig, continues the measurement under way, and reports its end.
     pub(super) fn update_measuring(&mut self, reach: &mut Reach<'_>) {
-        match self.rig.take(self.hold.holding.is_on()) {
-            Ok(Some(answers)) => self.begin_measuring(answers, reach),
-            Ok(None) => {}
-            Err(reason) => {
-                self.hold.awaits_rig = false;
-                self.board_test.awaits_rig = false;
-                self.harmonics.awaits_rig = false;
-                reach.out.fail(format!("The simulated plate cannot be measured: {reason}"));
-            }
+        if let Err(reason) = self.rig.take(self.hold.holding.is_on()) {
+            self.hold.awaits_rig = false;
+            self.rig.awaited_for = None;
+            reach.out.fail(format!("The simulated plate cannot be measured: {reason}"));
         }
+        self.begin_awaiting(reach);
         self.look_at_sensor(reach);
-        let Some(run) = &mut self.live.run else { return };
-        if !Arc::ptr_eq(&run.plate, reach.desk.plate()) {
-            run.measuring.cancel();
+        let was_checking = self.live.is_checking();
+        match self.live.under_way.turn(reach) {
+            Some((measured, _)) => self.measured(measured, reach),
+            None if was_checking && !self.live.is_checking() => {
+                reach.drive.note(Severity::Info, DriveCheck::On.to_string());
+            }
+            None => {}
         }
-        let was_checking = run.measuring.is_checking();
-        let drive = &*reach.drive;
-        if !run.measuring.turn(drive.snapshot(), |request| drive.send(request)) {
-            return self.measured(reach);
+        if let Some((answers, run)) = self.live.course.answers_so_far.as_mut().zip(self.live.under_way.run())
+        {
+            answers.hear(run.so_far());
         }
-        run.course.hear(run.measuring.so_far());
-        if was_checking && !run.measuring.is_checking() {
-            drive.note(Severity::Info, DriveCheck::On.to_string());
-        }
-        reach.out.wake_after(LOOK);
     }
 
     /// Captures the sensor's signal while a page of the calibration shows it.
@@ -293,11 +310,10 @@ impl Lab {
     }
 
     /// Stores the measurement, or reports why it failed.
-    fn measured(&mut self, reach: &mut Reach<'_>) {
-        let Some(under_way) = self.live.run.take() else { return };
-        let UnderWay { measuring, place, answers, has_stopped_drive, .. } = under_way;
+    fn measured(&mut self, measured: Result<Measured, MeasureError>, reach: &mut Reach<'_>) {
+        let Course { place, answers, has_stopped_drive, .. } = std::mem::take(&mut self.live.course);
         let next = if has_stopped_drive { DRIVE_ENDED } else { "" };
-        let Measured { measurement, warnings, .. } = match measuring.finish() {
+        let Measured { measurement, warnings, .. } = match measured {
             Ok(measured) => measured,
             Err(MeasureError::Cancelled) => {
                 return reach.out.post(format!("The measurement was cancelled.{next}"));

@@ -13,6 +13,7 @@ mod rig;
 mod selftest;
 mod signal;
 mod so_far;
+mod under_way;
 mod verification;
 
 pub use calibrate_intent::CalibrateIntent;
@@ -23,24 +24,23 @@ use super::desk::Desk;
 use super::drive::{Drive, USUAL_RATE_HZ};
 use super::outbox::Outbox;
 use super::shell::Attention;
-use super::shown::{CalibrateScene, HoldScene, MeasureScene, SelftestScene};
+use super::shown::{CalibrateScene, HoldScene, MeasureScene, Progress, SelftestScene};
 use super::work::Jobs;
 use crate::bench::Bench;
-use crate::hold::HoldEnd;
-use crate::measure::{AfterCheck, HarmonicsPlan, MeasuringHarmonics};
+use crate::measure::Verifying;
 use calibrating::Calibrating;
 use harmonics::Harmonics;
 use level_hold::LevelHold;
 use measurements::Measurements;
-use measuring::{Live, MeasuringRefused};
-use rig::Rig;
+use measuring::Live;
+use rig::{Awaiting, Rig};
 use selftest::BoardTest;
 use slipline_link::{Port, Snapshot, Ticket};
 use slipline_plate::calibrate::Measurement;
 use slipline_plate::{Finger, Plate};
 use std::sync::Arc;
 use std::time::Duration;
-use verification::Verification;
+use under_way::UnderWay;
 
 /// Time between two updates of what runs.
 const LOOK: Duration = Duration::from_millis(50);
@@ -52,7 +52,7 @@ pub(crate) struct Lab {
     rig: Rig,
     calibration: Calibrating,
     hold: LevelHold,
-    verification: Verification,
+    verification: UnderWay<Verifying>,
     board_test: BoardTest,
     harmonics: Harmonics,
 }
@@ -79,7 +79,7 @@ impl Lab {
             rig: Rig::on(bench, jobs),
             calibration: Calibrating::new(jobs),
             hold: LevelHold::default(),
-            verification: Verification::default(),
+            verification: UnderWay::default(),
             board_test: BoardTest::default(),
             harmonics: Harmonics::default(),
         }
@@ -90,8 +90,8 @@ impl Lab {
         self.update_hold(load, reach);
         self.update_measuring(reach);
         self.verification.update(reach);
-        self.update_selftest(reach);
-        self.update_harmonics(reach);
+        self.board_test.update(reach);
+        self.harmonics.update(reach);
         let is_heard = self.is_measuring() || self.live.looks.is_looking() || self.hold.needs_sensor();
         self.rig.rest(!is_heard);
         match self.live.wanted_model() {
@@ -112,11 +112,11 @@ impl Lab {
 
     /// Whether a measurement, a comparison of codes, a self-test or a measurement of harmonics is under way, or a measurement's rig is being put together.
     pub(crate) const fn is_measuring(&self) -> bool {
-        self.live.is_running()
-            || self.rig.is_awaited()
+        self.rig.awaited_for.is_some()
+            || self.live.under_way.is_running()
             || self.verification.is_running()
-            || self.board_test.is_running()
-            || self.harmonics.is_running()
+            || self.board_test.under_way.is_running()
+            || self.harmonics.under_way.is_running()
     }
 
     /// Whether the lab handles this request's outcome.
@@ -124,8 +124,8 @@ impl Lab {
         self.live.awaits(ticket)
             || self.hold.holding.awaits(ticket)
             || self.verification.awaits(ticket)
-            || self.board_test.awaits(ticket)
-            || self.harmonics.awaits(ticket)
+            || self.board_test.under_way.awaits(ticket)
+            || self.harmonics.under_way.awaits(ticket)
     }
 
     /// The plate under the simulated device, where `plate` is on the screen; `None` while it is an unknown one that was not
@@ -160,18 +160,27 @@ impl Lab {
 
     /// The page of measurements.
     pub(crate) fn measure_scene(&self, snapshot: &Snapshot) -> MeasureScene<'_> {
-        let now = snapshot.drive.status.map_or(0, |status| status.now);
-        let clock = (now, snapshot.sample_rate_hz().unwrap_or(USUAL_RATE_HZ));
-        let mut live = self.live.scene(clock, &self.rig, is_at_bench(snapshot));
-        let other = self.verification.progress(now).or(self.board_test.progress(now));
-        let other = other.or(self.harmonics.progress(now));
-        live.progress = live.progress.or(other);
-        self.measurements.scene(live)
+        let progress = self.progress(snapshot);
+        self.measurements.scene(self.live.scene(progress, &self.rig, is_at_bench(snapshot)))
     }
 
     /// The page of the self-test.
     pub(crate) fn selftest_scene(&self, snapshot: &Snapshot) -> SelftestScene<'_> {
-        self.board_test.scene(snapshot.drive.status.map_or(0, |status| status.now))
+        let is_tested =
+            self.board_test.under_way.is_running() || self.rig.awaited_for == Some(Awaiting::Selftest);
+        self.board_test.scene(self.progress(snapshot).filter(|_| is_tested))
+    }
+
+    /// How far what is under way is; only a measurement by a plan knows the time that it still takes.
+    fn progress(&self, snapshot: &Snapshot) -> Option<Progress> {
+        let now = snapshot.drive.status.map_or(0, |status| status.now);
+        let share = self.live.under_way.share(now).or_else(|| self.verification.share(now));
+        let share = share.or_else(|| self.board_test.under_way.share(now));
+        let share = share.or_else(|| self.harmonics.under_way.share(now));
+        let share = share.or_else(|| self.rig.awaited_for.map(|_| 0.0))?;
+        let left = self.live.remaining_samples(now);
+        let left_s = left.map(|left| left / snapshot.sample_rate_hz().unwrap_or(USUAL_RATE_HZ));
+        Some(Progress { share: share as f32, left_s })
     }
 
     /// The level hold.
@@ -182,82 +191,6 @@ impl Lab {
     /// The calibration under way.
     pub(crate) fn calibration_scene(&self) -> Option<CalibrateScene<'_>> {
         self.calibration.scene()
-    }
-
-    /// Tests the board. The amplifier of the simulated device drives its plate, which is put on the bench first.
-    pub(super) fn begin_selftest(&mut self, reach: &mut Reach<'_>) {
-        if self.is_measuring() || !self.board_test.may_begin(reach) {
-            return;
-        }
-        self.end_hold(HoldEnd::Measured, reach.out);
-        let needs_rig = self.board_test.needs_amplifier() && is_at_bench(reach.drive.snapshot());
-        if needs_rig && !self.is_rig_standing(reach) {
-            self.board_test.awaits_rig = true;
-            self.rig.refused = None;
-            return self.put_rig_up(reach);
-        }
-        self.board_test.begin(reach);
-    }
-
-    /// Begins the test that waits for the plate of the simulated device, and continues the one under way.
-    pub(super) fn update_selftest(&mut self, reach: &mut Reach<'_>) {
-        if self.board_test.awaits_rig && self.is_rig_standing(reach) {
-            self.board_test.begin(reach);
-        }
-        if self.board_test.awaits_rig {
-            reach.out.wake_after(LOOK);
-        }
-        self.board_test.update(reach);
-    }
-
-    /// Starts the measurement of the drive's harmonics at the place and level of the draft, or reports the obstacle.
-    pub(super) fn begin_harmonics(&mut self, reach: &mut Reach<'_>) {
-        if self.is_measuring() {
-            return;
-        }
-        match self.prepared_harmonics(reach) {
-            Err(refused) => reach.out.hinder(refused.to_string()),
-            Ok(_) if is_at_bench(reach.drive.snapshot()) && !self.is_rig_standing(reach) => {
-                self.harmonics.awaits_rig = true;
-                self.rig.refused = None;
-                self.put_rig_up(reach);
-            }
-            Ok(measuring) => {
-                self.harmonics.awaits_rig = false;
-                self.end_hold(HoldEnd::Measured, reach.out);
-                self.harmonics.begin(measuring, reach);
-            }
-        }
-    }
-
-    /// The measurement of the draft, or why the device cannot carry it out now.
-    fn prepared_harmonics(
-        &self,
-        reach: &Reach<'_>,
-    ) -> Result<AfterCheck<MeasuringHarmonics>, MeasuringRefused> {
-        let (inputs, table, sensor) = self.sensor_and_table(reach)?;
-        let plate = reach.desk.plate();
-        let plan = HarmonicsPlan::new(
-            plate,
-            harmonics::POINTS,
-            self.live.draft.level,
-            reach.drive.sample_rate_hz(),
-        )?;
-        let measuring = MeasuringHarmonics::new(plate, plan, Arc::clone(&table), sensor, &inputs)?;
-        Ok(AfterCheck::new(self.checking(reach, &inputs, table)?, measuring))
-    }
-
-    /// Begins the measurement that waits for the simulated plate, and continues the one under way.
-    pub(super) fn update_harmonics(&mut self, reach: &mut Reach<'_>) {
-        if std::mem::take(&mut self.harmonics.awaits_rig) {
-            if self.is_rig_standing(reach) {
-                self.begin_harmonics(reach);
-            } else {
-                self.harmonics.awaits_rig = true;
-                reach.out.wake_after(LOOK);
-            }
-        }
-        self.harmonics.update(reach);
     }
 
     /// The plate with harmonics that were measured since the last call.

@@ -25,12 +25,23 @@ pub(super) struct Rig {
     has_other_truth: bool,
     /// The rig on the bench.
     standing: Option<Stands>,
-    /// The measurement that starts once the rig is put together.
-    pub(super) awaited_for: Option<Option<usize>>,
-    /// The rig that is being put together to show its sensor's signal, or for another finger.
+    /// What starts once the rig is put together.
+    pub(super) awaited_for: Option<Awaiting>,
+    /// The rig that is being put together.
     looked_for: Option<RigJob>,
     /// A rig that could not be put together: only the user can request it again.
     pub(super) refused: Option<RigJob>,
+}
+
+/// What waits for the rig.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Awaiting {
+    /// A measurement, for this place of the calibration, 0 or 1, if any.
+    Measurement(Option<usize>),
+    /// The measurement of the drive's harmonics.
+    Harmonics,
+    /// The test of the amplifier.
+    Selftest,
 }
 
 /// An unknown plate, and the plates on the screen that describe it.
@@ -57,11 +68,6 @@ impl Rig {
     /// The rig on this bench.
     pub(super) fn on(bench: Bench, jobs: &mut Jobs) -> Self {
         Self { bench, queue: take(&mut jobs.rigs), ..Self::default() }
-    }
-
-    /// Whether it is put together for a measurement.
-    pub(super) const fn is_awaited(&self) -> bool {
-        self.awaited_for.is_some()
     }
 
     /// Whether its plate is unknown to the user.
@@ -144,13 +150,6 @@ impl Rig {
         })
     }
 
-    /// Has the rig put together for a measurement, which then begins.
-    pub(super) fn put_together(&mut self, wanted: RigJob, answers: Option<usize>) {
-        self.awaited_for = Some(answers);
-        self.refused = None;
-        self.queue.ask(wanted);
-    }
-
     /// Requests a rig, unless it is being put together or is known to fail.
     pub(super) fn look_for(&mut self, wanted: RigJob) {
         let known = [&self.looked_for, &self.refused];
@@ -186,14 +185,11 @@ impl Rig {
         self.bench.tap();
     }
 
-    /// Puts a finished rig on the bench, without a step while a level is held; returns the place of the calibration, if any, of the
-    /// measurement that waits for it.
-    pub(super) fn take(&mut self, is_held: bool) -> Result<Option<Option<usize>>, RigError> {
-        let Some(RigPrepared { job, result }) = self.queue.take() else { return Ok(None) };
-        let looked_for = self.looked_for.take();
-        let awaited_for = self.awaited_for.take();
-        if awaited_for.is_none() && looked_for.is_none_or(|looked_for| !looked_for.serves(&job)) {
-            return Ok(None);
+    /// Puts a finished rig on the bench, without a step while a level is held.
+    pub(super) fn take(&mut self, is_held: bool) -> Result<(), RigError> {
+        let Some(RigPrepared { job, result }) = self.queue.take() else { return Ok(()) };
+        if self.looked_for.take().is_none_or(|looked_for| !looked_for.serves(&job)) {
+            return Ok(());
         }
         let rig = result.inspect_err(|_| self.refused = Some(job.clone()))?;
         if is_held {
@@ -203,6 +199,6 @@ impl Rig {
         }
         let (hand, full_scale, drive) = (rig.hand(), rig.sensor_full_scale(), rig.known_drive());
         self.standing = Some(Stands { job, hand, full_scale, drive });
-        Ok(awaited_for)
+        Ok(())
     }
 }

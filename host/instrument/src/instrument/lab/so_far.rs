@@ -10,7 +10,7 @@ use std::sync::Arc;
 const SAME: f64 = 1e-9;
 
 /// The answers so far, and the model's.
-pub(super) struct Course {
+pub(super) struct Answers {
     /// The plate, and a measurement at the frequencies of the plan.
     planned: CompareJob,
     /// The model's answers to them; `None` until they are computed, and where there are none.
@@ -19,7 +19,7 @@ pub(super) struct Course {
     heard: Option<Arc<Measurement>>,
 }
 
-impl Course {
+impl Answers {
     /// The course of a measurement of this plate at the frequencies of `planned`.
     pub(super) fn new(plate: &Arc<Plate>, planned: Measurement) -> Self {
         let planned = CompareJob { plate: Arc::clone(plate), measurement: Arc::new(planned) };

@@ -11,7 +11,7 @@ use super::table;
 use crate::measure::codes::SILENT_S;
 use crate::measure::dialogue::Dialogue;
 use crate::measure::error::MeasureError;
-use crate::measure::procedure::Procedure;
+use crate::measure::procedure::{Evaluation, Procedure};
 use crate::measure::setback::{Tries, ended_by, is_late, quieter};
 use slipline_link::{DeviceTable, Outcome};
 use std::sync::Arc;
@@ -73,10 +73,9 @@ impl Playing {
 }
 
 impl Procedure for Playing {
-    type Heard = (PlayedSweep, Vec<u16>);
     type Found = PlayedSweep;
 
-    async fn carry_out(mut self, dialogue: Dialogue) -> Result<Self::Heard, MeasureError> {
+    async fn carry_out(mut self, dialogue: Dialogue) -> Result<Evaluation<PlayedSweep>, MeasureError> {
         self.sweep.level *= dialogue.linear_scale(self.sweep.level);
         let rate_hz = self.sweep.chirp.rate_hz;
         // The sweeps with the longest lead, and two seconds of codes around them.
@@ -85,12 +84,12 @@ impl Procedure for Playing {
         loop {
             if let Some(codes) = self.play(&dialogue).await? {
                 dialogue.stop().await?;
-                return Ok((self.sweep, codes));
+                let sweep = self.sweep;
+                let as_played = move || {
+                    if codes == sweep.rendered()? { Ok(sweep) } else { Err(MeasureError::TurnedDown) }
+                };
+                return Ok(Box::new(as_played));
             }
         }
-    }
-
-    fn found((sweep, codes): Self::Heard) -> Result<PlayedSweep, MeasureError> {
-        if codes == sweep.rendered()? { Ok(sweep) } else { Err(MeasureError::TurnedDown) }
     }
 }

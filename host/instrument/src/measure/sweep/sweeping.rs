@@ -14,7 +14,7 @@ use crate::measure::answers::{Measured, Sensor};
 use crate::measure::codes::SILENT_S;
 use crate::measure::dialogue::Dialogue;
 use crate::measure::error::MeasureError;
-use crate::measure::procedure::Procedure;
+use crate::measure::procedure::{Evaluation, Procedure};
 use crate::measure::setback::{TRIES, Tries, ended_by, is_late};
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::listen::InputsReport;
@@ -167,10 +167,9 @@ impl Sweeping {
 }
 
 impl Procedure for Sweeping {
-    type Heard = Self;
     type Found = Measured;
 
-    async fn carry_out(mut self, dialogue: Dialogue) -> Result<Self, MeasureError> {
+    async fn carry_out(mut self, dialogue: Dialogue) -> Result<Evaluation<Measured>, MeasureError> {
         let all = u64::from(self.plan.captures) * self.plan.capture_samples();
         // The sweep and a second of codes around it.
         dialogue.replay(all + self.plan.chirp.rate_hz as u64);
@@ -182,13 +181,9 @@ impl Procedure for Sweeping {
             self.go_on(&dialogue, std::mem::replace(&mut apply, Apply::Next)).await?;
             dialogue.stop().await?;
         }
-        Ok(self)
-    }
-
-    fn found(
-        Self { plan, table, sensor, lag_s, scale, recording, .. }: Self,
-    ) -> Result<Measured, MeasureError> {
-        let level = plan.chirp.wanted.level * scale;
-        recording.measured(&plan, &table, &sensor, lag_s, level)
+        Ok(Box::new(move || {
+            let level = self.plan.chirp.wanted.level * self.scale;
+            self.recording.measured(&self.plan, &self.table, &self.sensor, self.lag_s, level)
+        }))
     }
 }

@@ -44,8 +44,11 @@ impl Default for BoundaryText {
 #[serde(deny_unknown_fields, default)]
 pub struct FeelingText {
     threshold: f64,
+    /// JSON: Amplitude that lowers the friction noticeably
     friction_scale_m: f64,
+    /// JSON, 1: Friction that is left at large amplitudes, over the friction at rest
     friction_residual: f64,
+    /// JSON, 1: Exponent of the law of friction
     friction_exponent: f64,
     least_friction_change: f64,
     contact_m: f64,

@@ -1,6 +1,6 @@
 //! Lights for the actuator's band and travel, and for the steps of the DAC before it.
 
-use crate::check::grading::{Finding, Site, colour, pick};
+use crate::check::grading::{Finding, Site};
 use crate::check::report::{Colour, Limit};
 use crate::check::thresholds::{ACTUATOR_LOSS_DB, DAC_AMPLITUDE_STEPS, DAC_STEPS, EXCURSION_PERCENT, Limits};
 use crate::definition::actuator::Actuator;
@@ -21,31 +21,15 @@ pub(in crate::check) fn actuator_light(site: &Site<'_>) -> Finding {
         return site.judged(name, None, "dB", Colour::Amber, 0.0, sentence.to_owned()).at(0.0);
     }
     let gain_db = decibels(actuator.response(site.frequency_hz).norm());
-    let loss_db = -gain_db;
-    let colour = colour(loss_db, ACTUATOR_LOSS_DB);
-    site.judged(
-        name,
-        Some(gain_db),
-        "dB",
-        colour,
-        loss_db,
-        pick(
-            colour,
-            [
-                format!(
-                    "The actuator answers with {gain_db:+.0} dB at this frequency: it is within its band."
-                ),
-                format!(
-                    "The actuator answers with {gain_db:+.0} dB at this frequency: it has little travel left; another boundary or actuator has more."
-                ),
-                format!(
-                    "The actuator answers with {gain_db:+.0} dB at this frequency: it is out of its band, take another boundary or actuator."
-                ),
-            ],
-        ),
-    )
-    .limited(Limit::AtLeast(Limits { green: -ACTUATOR_LOSS_DB.green, amber: -ACTUATOR_LOSS_DB.amber }))
-    .at(0.0)
+    let limits = Limits { green: -ACTUATOR_LOSS_DB.green, amber: -ACTUATOR_LOSS_DB.amber };
+    let sentences = [
+        "it is within its band",
+        "it has little travel left; another boundary or actuator has more",
+        "it is out of its band, take another boundary or actuator",
+    ];
+    let sentences = sentences
+        .map(|what| format!("The actuator answers with {gain_db:+.0} dB at this frequency: {what}."));
+    site.graded(name, gain_db, "dB", Limit::AtLeast(limits), sentences).at(0.0)
 }
 
 /// Travel of the actuator for a tone at level 1, before the travel limit lowers the table.

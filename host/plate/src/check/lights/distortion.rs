@@ -1,7 +1,7 @@
 //! Light for the harmonics of the drive: whether a finger feels them beyond the felt edge of the tone.
 
 use super::felt_edge::{driven_end_m, strength};
-use crate::check::grading::{Finding, Site, colour, pick};
+use crate::check::grading::{Finding, Site, colour};
 use crate::check::report::{Colour, Limit};
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::HARMONIC_DB;
@@ -28,7 +28,6 @@ pub(in crate::check) fn distortion_light(site: &Site<'_>) -> Option<Finding> {
         return Some(site.judged(name, None, "dB", Colour::Green, f64::NEG_INFINITY, sentence.to_owned()));
     };
     let (db, ordinal) = (found.over_threshold_db, found.ordinal());
-    let colour = colour(db, HARMONIC_DB);
     let felt = format!(
         "The {ordinal} harmonic of the drive disturbs the still side: {}; {}.",
         found.words(site.plate.length_m()),
@@ -41,7 +40,7 @@ pub(in crate::check) fn distortion_light(site: &Site<'_>) -> Option<Finding> {
         format!("{felt} A lower level or a companion tone makes it weaker."),
         format!("{felt} Take a lower level, a companion tone or another drive."),
     ];
-    let finding = site.judged(name, Some(db), "dB", colour, db, pick(colour, sentences));
+    let finding = site.graded(name, db, "dB", Limit::AtMost(HARMONIC_DB), sentences);
     // A level off by its interval moves the felt edge of the tone, too, and the harmonic by more than the tone.
     let open_db = site.levels.open_db(site.plate).unwrap_or(0.0);
     let at_ends: Vec<(f64, Colour)> = site.interval.as_ref().map_or(Vec::new(), |_| {
@@ -51,17 +50,14 @@ pub(in crate::check) fn distortion_light(site: &Site<'_>) -> Option<Finding> {
             let waves: Vec<HarmonicWave> = waves.iter().map(|wave| wave.times(factor)).collect();
             loudest(site, edge, &waves)
         });
-        ends.map(|it| {
-            (it.over_threshold_db, crate::check::grading::colour(it.over_threshold_db, HARMONIC_DB))
-        })
-        .collect()
+        ends.map(|it| (it.over_threshold_db, colour(it.over_threshold_db, HARMONIC_DB))).collect()
     });
     let known = site.interval.as_ref().map_or(String::new(), |interval| interval.boundary());
     let end_m = site.plate.length_m();
     let from_m = edge.place_m().unwrap_or(0.0);
     let to_m = found.felt_to.place_m().unwrap_or(end_m).max(from_m);
     let over = move || vec![Stretch { from_m, to_m }];
-    Some(finding.limited(Limit::AtMost(HARMONIC_DB)).over(over).between(&at_ends, &known))
+    Some(finding.over(over).between(&at_ends, &known))
 }
 
 /// The loudest harmonic beyond the felt edge of the tone; `None` where the tone is felt up to the plate's end.

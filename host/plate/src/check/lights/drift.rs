@@ -1,6 +1,6 @@
 //! Lights for what moves the boundary on a table: temperature, humidity and age of a stretched sheet, and a finger that presses.
 
-use crate::check::grading::{Finding, Site, colour, pick};
+use crate::check::grading::{Finding, Site};
 use crate::check::report::{Colour, Limit};
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::{DRIFT_MM_PER_K, PRESS_MM};
@@ -12,20 +12,18 @@ use crate::quantity::show_length;
 /// Its value is the shift of the boundary by one kelvin, mm; its sentence has humidity and age, too.
 pub(in crate::check) fn drift_light(site: &Site<'_>) -> Finding {
     let name = "drift";
-    let light = |value: Option<f64>, colour: Colour, sentence: String| {
-        site.judged(name, value, "mm/K", colour, value.unwrap_or(0.0), sentence)
-    };
+    let light = |colour: Colour, sentence: String| site.judged(name, None, "mm/K", colour, 0.0, sentence);
     let Some(drift) = site.plate.drift(site.boundary_m) else {
         let sentence = "The plate has no tension that temperature, humidity or age could change: a kelvin moves the boundary by \
                         hundredths of a millimetre.";
-        return light(None, Colour::Green, sentence.to_owned());
+        return light(Colour::Green, sentence.to_owned());
     };
     let ages = ages(&drift, site.plate.spec().calibration.is_some());
     let (Some(strain), Some(kelvin_m)) = (drift.strain, drift.kelvin_m) else {
         let sentence = format!(
             "The file has an ideal membrane, whose strain is not known: give youngs_modulus_pa, poisson_ratio and thickness_m.{ages}"
         );
-        return light(None, Colour::Unchecked, sentence);
+        return light(Colour::Unchecked, sentence);
     };
     let percent_or_ppm = if strain >= 1e-3 {
         format!("{} %", significant(100.0 * strain, 2))
@@ -39,23 +37,17 @@ pub(in crate::check) fn drift_light(site: &Site<'_>) -> Finding {
     } else {
         String::new()
     };
-    let value = 1e3 * kelvin_m;
-    let judged = colour(value, DRIFT_MM_PER_K);
-    let sentence = pick(
-        judged,
-        [
-            format!("{stretched}: one kelvin moves the boundary by {moves}{humid}."),
-            format!(
-                "{stretched} alone: one kelvin moves the boundary by {moves}{humid}. Let it settle, or stretch it more."
-            ),
-            format!(
-                "{stretched} alone and is a thermometer: in a frame that expands by 6 ppm per kelvin more or less than it, one \
-                 kelvin moves the boundary by {moves}{humid}. Take a thinner film, a faster wave, or rubber."
-            ),
-        ],
-    );
-    light(Some(value), judged, format!("{sentence}{ages}"))
-        .limited(Limit::AtMost(DRIFT_MM_PER_K))
+    let sentences = [
+        format!("{stretched}: one kelvin moves the boundary by {moves}{humid}.{ages}"),
+        format!(
+            "{stretched} alone: one kelvin moves the boundary by {moves}{humid}. Let it settle, or stretch it more.{ages}"
+        ),
+        format!(
+            "{stretched} alone and is a thermometer: in a frame that expands by 6 ppm per kelvin more or less than it, one \
+             kelvin moves the boundary by {moves}{humid}. Take a thinner film, a faster wave, or rubber.{ages}"
+        ),
+    ];
+    site.graded(name, 1e3 * kelvin_m, "mm/K", Limit::AtMost(DRIFT_MM_PER_K), sentences)
         .over(|| vec![Stretch { from_m: 0.0, to_m: site.boundary_m }])
 }
 

@@ -13,19 +13,13 @@ pub(in crate::check) fn width_light(site: &Site<'_>) -> Finding {
     let fingers_at = |x: f64| 2.0 * site.plate.half_width_m(x) / FINGERTIP_M;
     let fingers = fingers_at(site.boundary_m);
     let millimetres = with_decimals(fingers * FINGERTIP_M * 1e3, 1);
-    let colour = colour_at_least(fingers, WIDTH);
-    let room = match colour {
-        Colour::Green | Colour::Unchecked => "a fingertip rests between the edges",
-        Colour::Amber => {
-            "a fingertip also rests on the edges, which do not move; a boundary nearer the drive is wider"
-        }
-        Colour::Red => {
-            "most of a fingertip rests on the edges, which do not move, take a boundary nearer the drive"
-        }
-    };
-    let sentence = format!("The plate is {millimetres} mm wide at the boundary: {room}.");
-    site.judged("width", Some(fingers), "fingertips", colour, -fingers, sentence)
-        .limited(Limit::AtLeast(WIDTH))
+    let rooms = [
+        "a fingertip rests between the edges",
+        "a fingertip also rests on the edges, which do not move; a boundary nearer the drive is wider",
+        "most of a fingertip rests on the edges, which do not move, take a boundary nearer the drive",
+    ];
+    let sentences = rooms.map(|room| format!("The plate is {millimetres} mm wide at the boundary: {room}."));
+    site.graded("width", fingers, "fingertips", Limit::AtLeast(WIDTH), sentences)
         .over_interval(site, Interval::boundary, |end| {
             let fingers = 2.0 * end.plate.half_width_m(end.boundary_m) / FINGERTIP_M;
             (fingers, colour_at_least(fingers, WIDTH))

@@ -1,8 +1,8 @@
 //! A field of a plate file, and a section: all that reader, writer, messages, panels and the page on plate files know of them.
 
 use crate::definition::air::Faces;
-use crate::definition::plate::PlateSpec;
 use crate::definition::source::EndSlope;
+use crate::definition::spec::PlateSpec;
 use crate::definition::turning_width::TurningWidth;
 use crate::quantity::{Caption, Count, Range};
 use std::borrow::Cow;

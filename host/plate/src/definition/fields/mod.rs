@@ -1,11 +1,13 @@
 //! The fields of a plate file, each stated once: name, type and range, meaning, place in a [`crate::PlateSpec`], and caption.
-//! Reader and writer (`file`), messages and the panels of the window are made from these tables; a test holds the page on
-//! plate files, `PLATES.md`, to them.
+//! Reader and writer (`file`), range checks, messages and the panels of the window are made from these tables; a test holds the
+//! page on plate files, `PLATES.md`, to them.
 
 mod drive;
 mod field;
 mod sheet;
 
+use crate::definition::error::PlateError;
+use crate::definition::spec::PlateSpec;
 pub(crate) use drive::{DRIVE, HARMONIC_POINTS};
 pub use field::Field;
 pub(crate) use field::{FieldType, Kind, Section, Slot};
@@ -34,13 +36,27 @@ pub fn field(path: &str) -> Option<&'static Field> {
     SECTIONS.into_iter().find(|schema| schema.name == section)?.field(name)
 }
 
+/// Checks every number that a specification has by the range of its field.
+pub(crate) fn check_ranges(spec: &mut PlateSpec) -> Result<(), PlateError> {
+    for section in SECTIONS {
+        for field in section.fields {
+            let number = field.number_of(spec).copied();
+            if let (FieldType::Number(range), Some(number)) = (&field.field_type, number)
+                && !range.contains(number)
+            {
+                return Err(range.refuse(&section.path(field.name), number, None));
+            }
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::definition::air::{Air, AirMounting};
     use crate::definition::drive::DriveEnd;
     use crate::definition::model::Model;
-    use crate::definition::plate::PlateSpec;
     use crate::definition::taper::Taper;
     use crate::definition::thickness::Thickness;
 

@@ -9,10 +9,8 @@ use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Origin, PlateError, PlateFileError};
 use crate::definition::fields::{DRIVE, HARMONIC_POINTS, PLATE, SECTIONS};
 use crate::definition::limits;
-use crate::definition::model::Model;
-use crate::definition::plate::{Plate, PlateSpec};
-use crate::definition::taper::Taper;
-use crate::definition::turning_width::TurningWidth;
+use crate::definition::plate::Plate;
+use crate::definition::spec::PlateSpec;
 use crate::quantity::{Count, Counted, Range, WrongCount};
 pub use numbers::PlateFile;
 use text::{Given, Text};
@@ -54,7 +52,7 @@ fn read(text: &Text<'_>, changes: &[(&str, f64)], like: Option<&Plate>) -> Resul
     if ["name", "length_m", "loss_factor"].iter().any(|name| !plate.has(name)) {
         return Err(first_missing(text));
     }
-    let mut spec = blank();
+    let mut spec = PlateSpec::blank();
     for section in [&plate, &taper, &model, &drive] {
         section.read_into(&mut spec)?;
     }
@@ -77,37 +75,6 @@ fn read(text: &Text<'_>, changes: &[(&str, f64)], like: Option<&Plate>) -> Resul
             field: if low.is_some() { "band_start_hz" } else { "band_end_hz" }.to_owned(),
             reason: "the span is given by span_start_m and span_end_m already".to_owned(),
         }),
-    }
-}
-
-/// A specification before its sections are read.
-fn blank() -> PlateSpec {
-    PlateSpec {
-        name: String::new(),
-        description: String::new(),
-        taper: Taper::Sampled { points: Vec::new() },
-        edge_give_m: None,
-        edge_give_tolerance_m: None,
-        tension_ratio: None,
-        tension_ratio_tolerance: None,
-        turning_width: TurningWidth::default(),
-        length_m: 0.0,
-        model: Model::Membrane { wave_speed_m_per_s: 0.0, tension_n_per_m: None, film: None },
-        thickness: None,
-        air: None,
-        frame: None,
-        loss_factor: 0.0,
-        wave_speed_tolerance: 0.0,
-        loss_tolerance: None,
-        loss_exponent: None,
-        loss_exponent_tolerance: None,
-        drive_end: DriveEnd::Displacement,
-        actuator: None,
-        harmonics: None,
-        full_scale_m: 0.0,
-        span_start_m: 0.0,
-        span_end_m: 0.0,
-        calibration: None,
     }
 }
 

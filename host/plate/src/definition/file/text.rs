@@ -3,8 +3,8 @@
 use crate::definition::air::Faces;
 use crate::definition::error::{PlateError, PlateFileError};
 use crate::definition::fields::{Field, FieldType, Kind, SECTIONS, Section, Slot};
-use crate::definition::plate::PlateSpec;
 use crate::definition::source::EndSlope;
+use crate::definition::spec::PlateSpec;
 use crate::definition::turning_width::TurningWidth;
 use crate::quantity::number_format::typed;
 use crate::quantity::{hint, must_be, nearest};

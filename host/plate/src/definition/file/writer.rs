@@ -2,7 +2,8 @@
 
 use crate::definition::air::Faces;
 use crate::definition::fields::{DRIVE, MODEL, PLATE, SECTIONS, Section, Slot, TAPER};
-use crate::definition::plate::{Plate, PlateSpec};
+use crate::definition::plate::Plate;
+use crate::definition::spec::PlateSpec;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 impl Plate {

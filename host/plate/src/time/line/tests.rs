@@ -3,11 +3,11 @@ use crate::definition::actuator::Actuator;
 use crate::definition::drive::DriveEnd;
 use crate::definition::impedance::Impedance;
 use crate::definition::model::{Bending, Model};
-use crate::definition::plate::PlateSpec;
 use crate::definition::presets::{preset, presets};
 use crate::definition::response_curve::ResponseCurve;
 use crate::definition::sample_rate::hold_droop;
 use crate::definition::source::{EndSlope, LeadIn, Source};
+use crate::definition::spec::PlateSpec;
 use crate::frequency::equation::Equation;
 use crate::frequency::respond::respond_touched;
 

@@ -194,8 +194,10 @@ pub(crate) fn rises(
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SensorMasses {
     /// With a stated mass: the sensor keeps a fifth of the bare plate's motion.
+    // JSON: Largest mass of a sensor on a square of 4 mm at the proposed places, with its mass stated
     pub stated_kg: f64,
     /// Without a statement: what it changes is below the error of the model, 1.5 %.
+    // JSON: The same without a stated mass
     pub unstated_kg: f64,
 }
 

@@ -65,12 +65,16 @@ pub struct ForeignPoint {
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ForeignRead {
     /// Number of its rows.
+    // JSON, count: Rows of the table
     pub rows: usize,
     /// Number of rows in the band of the plate.
+    // JSON, count: Its rows at frequencies where the plate is measured; the others do not matter
     pub rows_in_band: usize,
     /// Lowest frequency above 0, hertz.
+    // JSON: Lowest frequency of the file
     pub low_hz: f64,
     /// Highest frequency, hertz.
+    // JSON: Highest frequency of the file
     pub high_hz: f64,
     /// Its columns.
     pub columns: Vec<ColumnRead>,
