@@ -1,15 +1,14 @@
 //! The measurement of the drive's harmonics, as `slipline measure --harmonics` makes it. What ends a measurement ends it, too.
 
-use super::rig::Awaiting;
+use super::Reach;
 use super::under_way::UnderWay;
-use super::{Lab, Reach};
-use crate::measure::{AfterCheck, HarmonicsPlan, MeasureError, MeasuringHarmonics};
+use crate::measure::{AfterCheck, MeasureError, MeasuringHarmonics};
 use slipline_link::Severity;
 use slipline_plate::Plate;
 use std::sync::Arc;
 
 /// Number of fundamentals.
-const POINTS: usize = 8;
+pub(super) const POINTS: usize = 8;
 
 /// The measurement of the drive's harmonics.
 #[derive(Default)]
@@ -41,23 +40,6 @@ impl Harmonics {
                 self.found = Some(Arc::new(measured));
             }
             Err(error) => reach.out.fail(format!("Not measured: {error}.")),
-        }
-    }
-}
-
-impl Lab {
-    /// Starts the measurement at the place and level of the draft, or reports the obstacle.
-    pub(super) fn begin_harmonics(&mut self, reach: &mut Reach<'_>) {
-        let level = self.live.draft.level;
-        let measuring = self.prepared(Awaiting::Harmonics, reach, |reach, inputs, table, sensor| {
-            let plate = reach.desk.plate();
-            let plan = HarmonicsPlan::new(plate, POINTS, level, reach.drive.sample_rate_hz())?;
-            MeasuringHarmonics::new(plate, plan, table, sensor, inputs)
-        });
-        if let Some(measuring) = measuring {
-            reach.drive.make_ready();
-            let text = "Measuring the drive's harmonics.".to_owned();
-            self.harmonics.under_way.begin(measuring, text, reach);
         }
     }
 }

@@ -6,15 +6,17 @@ use super::rig::{Awaiting, Rig};
 use super::signal::{Looks, SENSOR_INPUT};
 use super::so_far::Answers;
 use super::under_way::UnderWay;
-use super::{LOOK, Lab, MeasureDraft, Reach, is_at_bench};
+use super::{LOOK, Lab, MeasureDraft, Reach, harmonics, is_at_bench, verification};
 use crate::hold::HoldEnd;
 use crate::instrument::drive::Obstacle;
+use crate::instrument::shell::Page;
 use crate::instrument::shown::{LiveScene, Progress};
 use crate::jobs::rig::RigJob;
 use crate::measure::{
-    AfterCheck, CURRENT_INPUT, DriveChecking, MeasureError, Measured, Measuring, Plan, Procedure, Run,
-    Sensor, Wanted, remaining_samples,
+    AfterCheck, CURRENT_INPUT, DriveChecking, HarmonicsPlan, MeasureError, Measured, Measuring,
+    MeasuringHarmonics, Plan, Procedure, Run, Sensor, Verifying, Wanted, remaining_samples,
 };
+use slipline_link::protocol::limits::MAX_TONES;
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{DeviceTable, Severity, Ticket};
 use slipline_model::jobs::compare::CompareJob;
@@ -106,7 +108,7 @@ impl Live {
 
 /// Why the device cannot carry out a measurement now.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum MeasuringRefused {
+enum MeasuringRefused {
     #[error(transparent)]
     NoDrive(#[from] Obstacle),
     #[error("This device has no input for a sensor: its board or its firmware has none.")]
@@ -150,9 +152,65 @@ impl Lab {
         self.live.under_way.begin(measuring, text, reach);
     }
 
+    /// Measures the drive's harmonics at the place and level of the draft, or reports the obstacle.
+    pub(super) fn begin_harmonics(&mut self, reach: &mut Reach<'_>) {
+        let level = self.live.draft.level;
+        let measuring = self.prepared(Awaiting::Harmonics, reach, |reach, inputs, table, sensor| {
+            let plate = reach.desk.plate();
+            let plan = HarmonicsPlan::new(plate, harmonics::POINTS, level, reach.drive.sample_rate_hz())?;
+            MeasuringHarmonics::new(plate, plan, table, sensor, inputs)
+        });
+        if let Some(measuring) = measuring {
+            reach.drive.make_ready();
+            let text = "Measuring the drive's harmonics.".to_owned();
+            self.harmonics.under_way.begin(measuring, text, reach);
+        }
+    }
+
+    /// Compares the codes if the device may drive and holds the table of this plate; otherwise reports the obstacle.
+    pub(super) fn begin_verification(&mut self, reach: &mut Reach<'_>) {
+        if self.is_measuring() {
+            return;
+        }
+        let obstacle = match reach.drive.obstacle() {
+            Some(obstacle) => Some(obstacle.into()),
+            None => (!reach.drive.is_table_there()).then_some(MeasuringRefused::NoTable),
+        };
+        if let Some(obstacle) = obstacle {
+            return reach.out.hinder(obstacle.to_string());
+        }
+        self.end_hold(HoldEnd::Measured, reach.out);
+        reach.drive.make_ready();
+        let rate_hz = reach.drive.sample_rate_hz();
+        let verifying = Verifying::new(reach.desk.plate(), MAX_TONES as u8, verification::WINDOW_S, rate_hz);
+        let text = "Comparing the device's codes with the mirror's.".to_owned();
+        self.verification.begin(verifying, text, reach);
+    }
+
+    /// Tests the board, or reports the obstacle. Where the amplifier is tested, the user must have armed the device, after the
+    /// question that belongs to it; that of the simulated device drives its plate, which is put on the bench first.
+    pub(super) fn begin_selftest(&mut self, reach: &mut Reach<'_>) {
+        if self.is_measuring() {
+            return;
+        }
+        let is_amplifier_on = self.board_test.request.is_amplifier_on;
+        if let Some(obstacle) = reach.drive.obstacle_to_test(is_amplifier_on) {
+            reach.out.hinder(obstacle.to_string());
+            if obstacle == Obstacle::Muted && !reach.attention.has_page {
+                reach.out.open(Page::Arm);
+            }
+            return;
+        }
+        if is_amplifier_on && self.awaits_rig(Awaiting::Selftest, reach) {
+            return;
+        }
+        self.end_hold(HoldEnd::Measured, reach.out);
+        self.board_test.begin(reach);
+    }
+
     /// A procedure with the sensor of the draft, which may begin now: the level hold has ended. `None` while another one is under way,
     /// where it waits for the rig, and where the device cannot carry it out, which is reported.
-    pub(super) fn prepared<P: Procedure>(
+    fn prepared<P: Procedure>(
         &mut self,
         awaiting: Awaiting,
         reach: &mut Reach<'_>,
@@ -235,7 +293,7 @@ impl Lab {
     }
 
     /// Whether this waits for the rig of the simulated device, which is put together then.
-    pub(super) fn awaits_rig(&mut self, awaiting: Awaiting, reach: &mut Reach<'_>) -> bool {
+    fn awaits_rig(&mut self, awaiting: Awaiting, reach: &mut Reach<'_>) -> bool {
         let waits = is_at_bench(reach.drive.snapshot()) && !self.is_rig_standing(reach);
         if waits {
             self.end_hold(HoldEnd::Measured, reach.out);

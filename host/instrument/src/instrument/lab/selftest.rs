@@ -1,11 +1,7 @@
 //! The self-test of the connected board, as `slipline selftest` makes it. What ends a measurement ends it, too.
 
-use super::rig::Awaiting;
+use super::Reach;
 use super::under_way::UnderWay;
-use super::{Lab, Reach};
-use crate::hold::HoldEnd;
-use crate::instrument::drive::Obstacle;
-use crate::instrument::shell::Page;
 use crate::instrument::shown::{Progress, SelftestScene};
 use crate::measure::{MeasureError, Run};
 use crate::selftest::{SelftestReport, SelftestRequest, Selftesting, Verdict};
@@ -21,6 +17,15 @@ pub(super) struct BoardTest {
 }
 
 impl BoardTest {
+    /// Begins.
+    pub(super) fn begin(&mut self, reach: &mut Reach<'_>) {
+        (self.report, self.failed) = (None, None);
+        // Each test has other drives: the index of the device's sample differs.
+        let seed = reach.drive.snapshot().drive.status.map_or(1, |status| status.now);
+        let testing = Selftesting::new(SelftestRequest { seed, ..self.request });
+        self.under_way.begin(testing, "Testing the board.".to_owned(), reach);
+    }
+
     /// Continues the test under way, and reports its end.
     pub(super) fn update(&mut self, reach: &mut Reach<'_>) {
         let Some((report, _)) = self.under_way.turn(reach) else { return };
@@ -57,32 +62,5 @@ impl BoardTest {
             report: self.report.as_ref(),
             failed: self.failed.as_deref(),
         }
-    }
-}
-
-impl Lab {
-    /// Tests the board, or reports the obstacle. Where the amplifier is tested, the user must have armed the device, after the
-    /// question that belongs to it; that of the simulated device drives its plate, which is put on the bench first.
-    pub(super) fn begin_selftest(&mut self, reach: &mut Reach<'_>) {
-        if self.is_measuring() {
-            return;
-        }
-        let request = self.board_test.request;
-        if let Some(obstacle) = reach.drive.obstacle_to_test(request.is_amplifier_on) {
-            reach.out.hinder(obstacle.to_string());
-            if obstacle == Obstacle::Muted && !reach.attention.has_page {
-                reach.out.open(Page::Arm);
-            }
-            return;
-        }
-        if request.is_amplifier_on && self.awaits_rig(Awaiting::Selftest, reach) {
-            return;
-        }
-        self.end_hold(HoldEnd::Measured, reach.out);
-        (self.board_test.report, self.board_test.failed) = (None, None);
-        // Each test has other drives: the index of the device's sample differs.
-        let seed = reach.drive.snapshot().drive.status.map_or(1, |status| status.now);
-        let testing = Selftesting::new(SelftestRequest { seed, ..request });
-        self.board_test.under_way.begin(testing, "Testing the board.".to_owned(), reach);
     }
 }
