@@ -87,6 +87,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     | Command::Forget
                     | Command::BootloaderToken
                     | Command::BootloaderEnter(_)
+                    | Command::FaultToken
+                    | Command::FaultOrder(_)
                     | Command::Inputs
                     | Command::Listen(_)
                     | Command::ListenRead(_)

@@ -12,7 +12,7 @@ use crate::snapshot::{DeviceView, DriveView, LinkCounters, LinkState, RoundTrip,
 use crate::trace::FRAMES_KEPT;
 use crate::undecided::{Held, Undecided};
 use crate::upkeep;
-use slipline_protocol::board::{Analogue, BoardReport, BrownOut, ClockReport, MutePin};
+use slipline_protocol::board::{Analogue, BoardReport, BrownOut, ClockReport, FaultTrial, MutePin};
 use slipline_protocol::command::{ArmLease, TravelLimit};
 use slipline_protocol::event::{Maintenance, ProfileReport, State, Status, TableReport, TriggerReport, Wear};
 use slipline_protocol::hold;
@@ -272,6 +272,12 @@ impl Recorder {
         if reported.restarts {
             self.log(Severity::Info, "The brown-out level is written: the device restarts with it.");
         }
+        self.touch();
+    }
+
+    /// Stores the token of a fault on purpose, and how the last one ended.
+    pub(crate) fn fault_trial(&mut self, reported: FaultTrial) {
+        self.view.device.fault_trial = Some(reported);
         self.touch();
     }
 

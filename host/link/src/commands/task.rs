@@ -68,6 +68,8 @@ const fn is_undone_by(command: &Command, stop: &Command) -> bool {
         Command::Arm | Command::ArmFor(_) | Command::Bench(_) | Command::ClearFaults => {
             matches!(stop, Command::EmergencyStop)
         }
+        // It needs a device that nothing has stopped since.
+        Command::FaultOrder(_) => true,
         // They neither sound nor arm.
         Command::Hello(_)
         | Command::KeepAlive(_)
@@ -99,6 +101,7 @@ const fn is_undone_by(command: &Command, stop: &Command) -> bool {
         | Command::Forget
         | Command::BootloaderToken
         | Command::BootloaderEnter(_)
+        | Command::FaultToken
         | Command::Inputs
         | Command::Listen(_)
         | Command::ListenRead(_)

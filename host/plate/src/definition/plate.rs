@@ -75,6 +75,9 @@ pub struct PlateSpec {
     pub actuator: Option<Actuator>,
     /// The harmonics that the drive adds to a tone; `None` if they are not known. They change neither table nor response.
     pub harmonics: Option<Harmonics>,
+    /// Bandwidth of the amplifier, a low-pass of second order, Hz (10 to 1e8); `None` if it is not known. It changes neither table nor
+    /// response: it bounds the error of a measured current.
+    pub amplifier_bandwidth_hz: Option<f64>,
     /// Displacement of the drive at DAC full scale, metres (1e-9 to 0.1). Illustrative until you have measured it.
     pub full_scale_m: f64,
     /// Turning point nearest to the drive that a user can choose, metres (0.001 L to 0.999 L).
@@ -181,6 +184,9 @@ impl Plate {
         }
         if let Some(harmonics) = &spec.harmonics {
             harmonics.validate()?;
+        }
+        if let Some(bandwidth_hz) = spec.amplifier_bandwidth_hz {
+            limits::BANDWIDTH.check("actuator.amplifier_bandwidth_hz", bandwidth_hz)?;
         }
         if let Some(calibration) = &spec.calibration {
             calibration.validate()?;

@@ -104,6 +104,7 @@ fn blank() -> PlateSpec {
         drive_end: DriveEnd::Displacement,
         actuator: None,
         harmonics: None,
+        amplifier_bandwidth_hz: None,
         full_scale_m: 0.0,
         span_start_m: 0.0,
         span_end_m: 0.0,
