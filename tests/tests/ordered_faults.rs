@@ -47,7 +47,8 @@ fn an_ordered_fault_is_reported_with_the_time_to_mute_and_three_are_no_safe_mode
         rig.live_ms(10);
         assert_eq!(rig.status().state, State::Armed, "the answer goes out first");
         let cause = restarted(&mut rig);
-        let wanted = if fault == OrderedFault::StackOverflow { ResetCause::HardFault } else { ResetCause::Watchdog };
+        let wanted =
+            if fault == OrderedFault::StackOverflow { ResetCause::HardFault } else { ResetCause::Watchdog };
         assert_eq!(cause, wanted, "{fault:?}");
         let FaultEnd { fault: of, muted_after_us, by_reset } = trial(&mut rig).last.unwrap();
         assert_eq!((of, by_reset), (fault, fault == OrderedFault::Hang));
@@ -109,7 +110,11 @@ fn what_ends_the_state_that_it_needs_drops_the_order() {
     for command in every_command() {
         let is_end = matches!(
             command,
-            Command::Hello(_) | Command::Disarm | Command::EmergencyStop | Command::Drive(_) | Command::Chord(_)
+            Command::Hello(_)
+                | Command::Disarm
+                | Command::EmergencyStop
+                | Command::Drive(_)
+                | Command::Chord(_)
         );
         if !is_end {
             continue;

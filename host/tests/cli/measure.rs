@@ -193,7 +193,8 @@ fn a_measured_current_of_a_piezo_is_cautioned_where_images_may_falsify_it() {
     let spec = PlateSpec { amplifier_bandwidth_hz: Some(120e3), ..plate.spec().clone() };
     std::fs::write(&stated, Plate::new(spec).unwrap().to_toml()).unwrap();
     let by_file = |more: &[&str]| {
-        let of_file = ["measure", "--port", "sim", "--plate", stated.to_str().unwrap(), "--actual-plate", "secret:5"];
+        let of_file =
+            ["measure", "--port", "sim", "--plate", stated.to_str().unwrap(), "--actual-plate", "secret:5"];
         let current = ["--points", "32", "--input", "current"];
         json(&[&of_file[..], &current, &circuit, more].concat())["warnings"].to_string()
     };

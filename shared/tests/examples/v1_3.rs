@@ -4,7 +4,8 @@ use super::Example;
 use heapless::Vec;
 use slipline_protocol::board::{
     Analogue, BoardReport, BrownOut, BrownOutOrder, ClockReport, FaultEnd, FaultOrder, FaultTrial, MuteFall,
-    MutePin, MuteResistor, MuteStep, MuteTrial, OrderedFault, PinLevel, SampleClock, StopInput, UsbFrame, UserButton,
+    MutePin, MuteResistor, MuteStep, MuteTrial, OrderedFault, PinLevel, SampleClock, StopInput, UsbFrame,
+    UserButton,
 };
 use slipline_protocol::command::{Apply, ArmLease, Comb, CombTone, ProfileSetting};
 use slipline_protocol::event::{
@@ -272,8 +273,7 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
     };
     let brown_out =
         BrownOut { level: 2, needed: 2, options: 0x0fff_aae5, read_protection: 0xaa, restarts: true };
-    let fault_end =
-        FaultEnd { fault: OrderedFault::MaskedInterrupts, muted_after_us: 4003, by_reset: false };
+    let fault_end = FaultEnd { fault: OrderedFault::MaskedInterrupts, muted_after_us: 4003, by_reset: false };
     let desk_stop = Status {
         state: State::Fault,
         faults: Faults::NONE.with(Fault::DeskStop),

@@ -78,7 +78,8 @@ impl CrashRecord {
         if CRC.checksum(covered) != u32::from_le_bytes(*crc) {
             return None;
         }
-        let (&[m0, m1, m2, m3, cause, resets, length, ordered], message) = covered.split_first_chunk::<HEADER>()?;
+        let (&[m0, m1, m2, m3, cause, resets, length, ordered], message) =
+            covered.split_first_chunk::<HEADER>()?;
         if [m0, m1, m2, m3] != MAGIC {
             return None;
         }
@@ -104,12 +105,8 @@ impl core::fmt::Write for Cut {
 }
 
 /// The ordered faults by their bytes: the first for none.
-const ORDERED: [Option<OrderedFault>; 4] = [
-    None,
-    Some(OrderedFault::Hang),
-    Some(OrderedFault::MaskedInterrupts),
-    Some(OrderedFault::StackOverflow),
-];
+const ORDERED: [Option<OrderedFault>; 4] =
+    [None, Some(OrderedFault::Hang), Some(OrderedFault::MaskedInterrupts), Some(OrderedFault::StackOverflow)];
 
 fn cause_of(byte: u8) -> Option<ResetCause> {
     const ALL: [ResetCause; 7] = [

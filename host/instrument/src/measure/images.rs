@@ -12,8 +12,8 @@
 
 use super::answers::Warning;
 use slipline_plate::Complex64;
-use slipline_plate::calibrate::DriveLoad;
 use slipline_plate::Plate;
+use slipline_plate::calibrate::DriveLoad;
 use slipline_plate::limits;
 use slipline_plate::quantity::Range;
 use std::f64::consts::SQRT_2;

@@ -240,7 +240,12 @@ pub const LIMITS: &[Limit] = &[
         NONE,
         "The chip has started the program again in place of its bootloader: flash the board by a probe, or by its pin BOOT0.",
     ),
-    red(step::BOOTLOADER, "not back in time", NONE, "The device did not answer after its reset: press reset again."),
+    red(
+        step::BOOTLOADER,
+        "not back in time",
+        NONE,
+        "The device did not answer after its reset: press reset again.",
+    ),
     red(
         step::BOOTLOADER,
         "differences after it",
@@ -249,7 +254,12 @@ pub const LIMITS: &[Limit] = &[
     ),
     red(step::FAULTS, "faults that end otherwise", NONE, UNSAFE),
     red(step::FAULTS, "faults without return", NONE, UNSAFE),
-    red(step::FAULTS, "safe mode after them", NONE, "Ordered faults must not count: look at the firmware's version."),
+    red(
+        step::FAULTS,
+        "safe mode after them",
+        NONE,
+        "Ordered faults must not count: look at the firmware's version.",
+    ),
     red(step::FAULTS, "time to mute in a hang", between(0.0, 570.0), UNSAFE),
     red(step::FAULTS, "time to mute with interrupts masked", between(0.0, 4.5), UNSAFE),
     red(step::FAULTS, "time to mute by a stack overflow", between(0.0, 0.1), UNSAFE),

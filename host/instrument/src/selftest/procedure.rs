@@ -142,7 +142,8 @@ impl Course {
             link,
             "The device answers in time, and each time that its port is closed and opened again; the USB bus itself was not reset.",
         );
-        let bootloader = course.restarting(step::BOOTLOADER, course.rom_bootloader(board.user_button)).await?;
+        let bootloader =
+            course.restarting(step::BOOTLOADER, course.rom_bootloader(board.user_button)).await?;
         course.mark(15);
         let faults = if course.request.is_amplifier_unplugged {
             course.restarting(step::FAULTS, course.faults_on_purpose()).await?

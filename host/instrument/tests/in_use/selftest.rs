@@ -21,11 +21,7 @@ fn a_good_board_passes_in_full_with_both_wires_and_the_mute_pin_stays_low() {
     let took_s = desk.time_s() - began;
     assert!(took_s < 180.0, "{took_s}");
     assert!(report.line().starts_with("SELFTEST PASS unit=73696d756c617465642d3030 build=slipline_"));
-    assert!(
-        report.line().ends_with(" skipped=mute_time,faults,amplifier,others"),
-        "{}",
-        report.line()
-    );
+    assert!(report.line().ends_with(" skipped=mute_time,faults,amplifier,others"), "{}", report.line());
     assert!(report.simulated && report.board == "simulated" && report.codes_crc.is_some());
     let names: Vec<&str> = report.steps.iter().map(|step| step.name.as_str()).collect();
     assert_eq!(names, step::ALL);
@@ -50,10 +46,14 @@ fn a_full_test_with_the_amplifier_unplugged_makes_the_device_fail_and_finds_it_a
     expect(&report, &[], &[]);
     assert!(desk.time_s() < 180.0, "{}", desk.time_s());
     let readings = |name| report.steps.iter().find(|step| step.name == name).unwrap().readings.iter();
-    let shown: Vec<String> = readings(step::FAULTS).map(|it| format!("{}: {}", it.quantity, it.shown())).collect();
+    let shown: Vec<String> =
+        readings(step::FAULTS).map(|it| format!("{}: {}", it.quantity, it.shown())).collect();
     let times = &shown[3..];
     assert_eq!(times.len(), 3, "{shown:?}");
-    assert_eq!(times[1..], ["time to mute with interrupts masked: 4 ms", "time to mute by a stack overflow: 0 ms"]);
+    assert_eq!(
+        times[1..],
+        ["time to mute with interrupts masked: 4 ms", "time to mute by a stack overflow: 0 ms"]
+    );
     let hang = readings(step::FAULTS).find(|it| it.quantity == "time to mute in a hang").unwrap().value;
     assert!((200.0..310.0).contains(&hang), "{hang}");
     let reopened = readings(step::LINK).find(|it| it.quantity == "reopenings").unwrap();

@@ -394,7 +394,8 @@ impl Device {
     fn brown_out(&self, py: Python<'_>, set: bool, power_is_safe: bool) -> PyResult<Answer<BrownOut>> {
         self.check_block("brown_out()")?;
         if set && !power_is_safe {
-            let text = "brown_out(set=True) asks whether the board's power is safe: add power_is_safe=True if it is";
+            let text =
+                "brown_out(set=True) asks whether the board's power is safe: add power_is_safe=True if it is";
             return Err(Failure::refused(text).into());
         }
         self.brown_out_of(py, set)
