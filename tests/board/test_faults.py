@@ -178,7 +178,7 @@ ORDERED = {
 
 @pytest.mark.every_image
 def test_an_ordered_fault_mutes_in_time_and_does_not_count(rig):
-    """R-58: each is ordered with the mute pin high, as the self-test gives it. Three resets in a row that nobody had ordered would be safe
+    """R-36: each is ordered with the mute pin high, as the self-test gives it. Three resets in a row that nobody had ordered would be safe
     mode."""
     host, board = rig.host, rig.board
     host.connect()
