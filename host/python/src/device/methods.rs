@@ -392,7 +392,6 @@ impl Device {
     /// the level as it was read back after the restart. Raises ``Refused`` if the button is not held.
     #[pyo3(signature = (*, set=false, power_is_safe=false))]
     fn brown_out(&self, py: Python<'_>, set: bool, power_is_safe: bool) -> PyResult<Answer<BrownOut>> {
-        self.check_block("brown_out()")?;
         if set && !power_is_safe {
             let text =
                 "brown_out(set=True) asks whether the board's power is safe: add power_is_safe=True if it is";
@@ -445,7 +444,8 @@ impl Device {
     ///
     /// ``sensor_wire``: a wire leads from the DAC's pin to the sensor's; ``trigger_wire``: one leads from the trigger output to the
     /// trigger input. ``amplifier_unplugged`` permits the steps that take the mute pin high, to time it and to make the board fail on
-    /// purpose, and ``short`` takes three seconds, without the latter. The result has ``passed`` and ``steps``, each with ``verdict``: a step without its wire is ``"skipped"``.
+    /// purpose, and ``short`` takes three seconds, without the latter. The result has ``passed`` and ``steps``, each with ``verdict``: a
+    /// step without its wire is ``"skipped"``.
     ///
     /// ``amplifier`` tests the amplifier instead, connected and switched on, by tones at -40 dB with it muted and then on: do this once
     /// all else has passed. The simulated device has one with ``sensor_m`` of :func:`slipline.connect`.

@@ -18,8 +18,8 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ("block_samples", "", "Samples of a block"),
     ("board", "text", "The board"),
     ("brown_out_guarded", "true or false", "Whether the brown-out level is set; null for an older device"),
-    ("brown_out_level", "1", "Level of the brown-out reset, counted from the lowest threshold"),
-    ("brown_out_level_needed", "1", "Lowest level that guards the board"),
+    ("brown_out_level", "count", "Level of the brown-out reset, counted from the lowest threshold"),
+    ("brown_out_level_needed", "count", "Lowest level that guards the board"),
     (
         "option_bytes",
         "text",
