@@ -26,6 +26,7 @@ const IS_LOW: u32 = 1 << 31;
 const LOOKS: u32 = 100;
 
 /// Fails in this way.
+#[inline(never)]
 pub(crate) fn fail(fault: OrderedFault) -> ! {
     crash::order(fault);
     SEEN.store(0, Relaxed);
