@@ -116,6 +116,7 @@ impl Course {
             ));
         }
         self.dialogue.bear_loss();
+        let last = self.dialogue.now();
         let entered = self.dialogue.ask(Request::Bootloader).await;
         let of = |quantity, is_so: bool| reading(name, quantity, f64::from(u8::from(is_so)));
         match entered {
@@ -125,10 +126,14 @@ impl Course {
             }
             outcome => return Err(ended_by(&outcome)),
         }
+        // It leaves its program some time after its answer.
+        self.dialogue.ask(Request::Await(LOOK)).await;
         self.dialogue.prompt(Some(Prompt::PressReset));
         let is_back = self.is_back(&port).await;
         self.dialogue.prompt(None);
-        let mut readings = vec![of("stays in the program", false), of("not back in time", !is_back)];
+        // Its samples begin at 0 again.
+        let stays = is_back && self.dialogue.now() >= last;
+        let mut readings = vec![of("stays in the program", stays), of("not back in time", !is_back)];
         if !is_back {
             self.lose();
             return Ok(StepResult::judged(name, readings, ""));

@@ -55,7 +55,8 @@ fn a_full_test_with_the_amplifier_unplugged_makes_the_device_fail_and_finds_it_a
         ["time to mute with interrupts masked: 4 ms", "time to mute by a stack overflow: 0 ms"]
     );
     let hang = readings(step::FAULTS).find(|it| it.quantity == "time to mute in a hang").unwrap().value;
-    assert!((200.0..310.0).contains(&hang), "{hang}");
+    // The supervisor feeds the watchdog at most 100 ms later.
+    assert!((200.0..410.0).contains(&hang), "{hang}");
     let reopened = readings(step::LINK).find(|it| it.quantity == "reopenings").unwrap();
     assert_eq!(reopened.value, 20.0);
     // Three resets by faults that were not ordered would be safe mode.
