@@ -15,7 +15,7 @@ use slipline_app::ports::OrderedFault;
 use slipline_app::safety::boot::Boot;
 use slipline_app::safety::crash::CrashRecord;
 
-use crate::{board, dac, fault_trial, guard, mute, store};
+use crate::{board, dac, guard, mute, pin_watch, store};
 
 /// The record's bytes. After power-on they are random, so they are always checked by their CRC.
 #[repr(align(4))]
@@ -80,7 +80,7 @@ pub(crate) fn silence() {
 
 /// Records the cause, the message and the count of crashes in a row so far, and resets the chip.
 fn end(cause: ResetCause, message: &dyn Display) -> ! {
-    fault_trial::look_after_silence();
+    pin_watch::look_after_silence();
     let CrashRecord { resets, ordered, .. } = read().unwrap_or_default();
     write(&CrashRecord { ordered, ..CrashRecord::crashed(cause, resets, message) });
     SCB::sys_reset();

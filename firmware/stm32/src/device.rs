@@ -32,7 +32,9 @@ use crate::trigger::TriggerPins;
 use crate::uart_link::{FromHost, ToHost, next_frame, start as start_link};
 #[cfg(feature = "link-usb")]
 use crate::usb_link::{FromHost, ToHost, next_frame, start as start_link};
-use crate::{bootloader, crash, fast, fault_trial, guard, pin_lock, priority, store, supply, watchdog};
+use crate::{
+    bootloader, crash, fast, fault_trial, guard, pin_lock, pin_watch, priority, store, supply, watchdog,
+};
 
 type SharedMailbox = Mailbox<CriticalSectionRawMutex>;
 
@@ -159,7 +161,7 @@ fn main() -> ! {
             has_mute_resistor,
             reference_mv,
             stop_input: FoundStopInput::Unused(board.stop_input),
-            fault_end: boot.ordered.map(fault_trial::end_of),
+            fault_end: boot.ordered.map(pin_watch::end_of),
         };
         if let Ok(task) = talk(read, write, boot, store, facts) {
             spawner.spawn(task);

@@ -1,46 +1,24 @@
 //! Faults on purpose, by which a board shows that each of them mutes: the program fails, and watches the mute pin until the reset.
-//!
-//! The record of `crash` says which fault was ordered. When the pin went low lies beside it, in a word of its own: one store of a word is
-//! whole, wherever the reset comes.
 
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use slipline_app::ports::OrderedFault;
 
-use cortex_m::peripheral::DWT;
-use slipline_app::ports::{FaultEnd, OrderedFault, PinLevel};
-
-use crate::{board, crash, guard, mute};
-
-/// The cycle counter at the fault's begin.
-// SAFETY: any 32 bits are a count.
-#[unsafe(link_section = ".uninit.fault_begun")]
-static BEGUN: AtomicU32 = AtomicU32::new(0);
-
-/// Cycles from there to the look that found the pin low, with [`IS_LOW`]; before it, to the last look.
-// SAFETY: any 32 bits are a count.
-#[unsafe(link_section = ".uninit.fault_seen")]
-static SEEN: AtomicU32 = AtomicU32::new(0);
-/// The watchdog resets the chip within 0.6 s, 240 million cycles.
-const IS_LOW: u32 = 1 << 31;
+use crate::{board, crash, guard, pin_watch};
 
 /// Cycles between two looks, at most: 5 us, far below each time of `firmware/SAFETY.md`.
 const BETWEEN_LOOKS: u32 = board::CORE_HZ / 200_000;
-
-/// Looks at a pin that was switched off a moment ago: an input register shows its pin some cycles late.
-const LOOKS: u32 = 100;
 
 /// Fails in this way.
 #[inline(never)]
 pub(crate) fn fail(fault: OrderedFault) -> ! {
     crash::order(fault);
-    SEEN.store(0, Relaxed);
-    BEGUN.store(DWT::cycle_count(), Relaxed);
+    pin_watch::begin();
     match fault {
         OrderedFault::Hang => {}
         OrderedFault::MaskedInterrupts => cortex_m::interrupt::disable(),
         OrderedFault::StackOverflow => overflow(),
     }
     loop {
-        look();
+        pin_watch::look();
         cortex_m::asm::delay(BETWEEN_LOOKS);
     }
 }
@@ -56,36 +34,5 @@ fn overflow() -> ! {
             bottom = in(reg) guard::stack_bottom(),
             options(noreturn)
         )
-    }
-}
-
-/// Looks at the pin once; whether it has been low.
-fn look() -> bool {
-    let seen = SEEN.load(Relaxed);
-    if seen & IS_LOW == 0 {
-        let cycles = DWT::cycle_count().wrapping_sub(BEGUN.load(Relaxed)) & !IS_LOW;
-        let low = if mute::level() == PinLevel::Low { IS_LOW } else { 0 };
-        SEEN.store(cycles | low, Relaxed);
-        return low != 0;
-    }
-    true
-}
-
-/// Looks at the pin in a handler that has switched it off. Without an ordered fault nobody reads what it finds.
-pub(crate) fn look_after_silence() {
-    for _ in 0..LOOKS {
-        if look() {
-            break;
-        }
-    }
-}
-
-/// How this fault ended, which the last run was ordered to make.
-pub(crate) fn end_of(fault: OrderedFault) -> FaultEnd {
-    let seen = SEEN.load(Relaxed);
-    FaultEnd {
-        fault,
-        muted_after_us: (seen & !IS_LOW) / (board::CORE_HZ / 1_000_000),
-        by_reset: seen & IS_LOW == 0,
     }
 }
