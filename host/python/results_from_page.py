@@ -33,6 +33,7 @@ CLASSES = {
     "Harmonics": ("measure --harmonics", "", "The measured harmonics of a drive."),
     "Trim": ("trim", "", "The wave speed of a calibrated plate, measured once and then again and again."),
     "Sweep": ("sweep", "", "A sweep for a separate recorder."),
+    "BrownOut": ("board", "", "The level of a board's brown-out reset."),
     "Profile": ("profile", "", "The profile of a board's actuator."),
     "PortInfo": ("ports", "ports[].", "A port of this computer."),
 }

@@ -1,6 +1,7 @@
 //! What a device has found on its board, how it tries its own mute pin, and the level of its brown-out reset: the bodies of
 //! [`Event::Board`](crate::Event::Board), [`Event::Analogue`](crate::Event::Analogue), [`Event::MutePin`](crate::Event::MutePin),
-//! [`Event::Clock`](crate::Event::Clock) and [`Event::BrownOut`](crate::Event::BrownOut).
+//! [`Event::Clock`](crate::Event::Clock), [`Event::BrownOut`](crate::Event::BrownOut) and
+//! [`Event::FaultTrial`](crate::Event::FaultTrial).
 
 use crate::schema::{body, choices};
 use crate::units::SampleIndex;
@@ -83,7 +84,7 @@ body! {
 
 body! {
     /// The body of [`Event::Analogue`](crate::Event::Analogue): what the start has found of the supply, and how far the DAC's output is
-    /// linear. It does not change until the next reset.
+    /// linear. Apart from the errors of the RAM it does not change until the next reset.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct Analogue {
         /// The reference voltage VREF+ of DAC and ADC, by the chip's internal reference and its factory calibration; 0 where the
@@ -99,6 +100,9 @@ body! {
         pub chip: u16 [""],
         /// Its silicon revision (REV_ID).
         pub revision: u16 [""],
+        /// What the error correction of its RAM has found since the start, as bits: 1, a single error, corrected; 2, a double error; 4, a
+        /// double error at a store of less than a word. RAM that was never written may have any. `None` where the chip has none.
+        pub ram_errors: Option<u8> [""],
     }
 }
 
@@ -189,6 +193,55 @@ body! {
         pub read_protection: u8 [""],
         /// The level has been written, and the device restarts.
         pub restarts: bool [""],
+    }
+}
+
+choices! {
+    /// A fault that a device makes on purpose.
+    #[derive(Default)]
+    pub enum OrderedFault {
+        /// The thread hangs, while interrupts go on: the watchdog resets the chip.
+        #[default]
+        0 since 0 Hang,
+        /// Interrupts stay masked: the mute timer mutes, then the watchdog resets the chip.
+        1 since 0 MaskedInterrupts,
+        /// The stack overflows: the processor's fault mutes and resets.
+        2 since 0 StackOverflow,
+    }
+}
+
+body! {
+    /// The body of [`Command::FaultOrder`](crate::Command::FaultOrder).
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct FaultOrder {
+        /// The fault.
+        pub fault: OrderedFault [""],
+        /// The token of [`FaultTrial`].
+        pub token: u32 [""],
+    }
+}
+
+body! {
+    /// How an ordered fault ended, by the processor's cycle counter.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct FaultEnd {
+        /// The fault.
+        pub fault: OrderedFault [""],
+        /// The time from its begin until the mute pin was first read low; where the reset came first, until it was last read high.
+        pub muted_after_us: u32 ["us"],
+        /// The pin was high until the reset, which mutes by the pin's resistor.
+        pub by_reset: bool [""],
+    }
+}
+
+body! {
+    /// The body of [`Event::FaultTrial`](crate::Event::FaultTrial).
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct FaultTrial {
+        /// Valid once, for 5 s and in this session.
+        pub token: u32 [""],
+        /// The ordered fault that ended the last run; `None` if the last run ended otherwise.
+        pub last: Option<FaultEnd> [""],
     }
 }
 

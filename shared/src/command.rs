@@ -1,6 +1,6 @@
 //! Commands: the messages from a host to a device, and their bodies.
 
-use crate::board::{BrownOutOrder, MuteStep};
+use crate::board::{BrownOutOrder, FaultOrder, MuteStep};
 use crate::hold::HoldSetting;
 use crate::limits::{
     CHORD_PERIOD_LOG2, CHUNK_KNOTS, COMB_PERIOD_BLOCKS, LEASE_MS, MAX_DIGEST_SAMPLES, MAX_HARMONIC,
@@ -125,6 +125,13 @@ messages! {
         /// Second step into the ROM bootloader: shows the token. Only while disarmed, and where an actuator's profile is kept only
         /// with the board's user button held as for `WriteProfile`; the device answers and then restarts.
         0x51 since 0 BootloaderEnter(u32) -> Accepted,
+        /// First step to a fault on purpose: asks for a token, and how the last ordered fault ended.
+        0x52 since 3 FaultToken -> FaultTrial,
+        /// Second step to a fault on purpose, by which a board shows that it mutes: shows the token. Needs an armed device that is silent
+        /// and whose mute pin is high (`Arm`, not `Bench`), so unplug the amplifier first. The device answers, fails 0.1 s later unless
+        /// it is disarmed or driven before, and is reset by the fault. The reset is reported as any other, but does not count
+        /// towards safe mode.
+        0x53 since 3 FaultOrder(FaultOrder) -> Accepted,
         /// Asks for the number, lock-ins and delay of the device's inputs, and how many of their blocks were lost.
         0x60 since 3 Inputs -> Inputs,
         /// Begins to measure how the inputs answer each tone, over a window that lies ahead; forgets the last measurement. The

@@ -1,6 +1,6 @@
 //! What a device answers. It never speaks first.
 
-use crate::board::{Analogue, BoardReport, BrownOut, ClockReport, MutePin};
+use crate::board::{Analogue, BoardReport, BrownOut, ClockReport, FaultTrial, MutePin};
 use crate::command::{TableHeader, TravelSetting};
 pub use crate::fault::{Fault, Faults};
 use crate::hold::Held;
@@ -55,6 +55,8 @@ messages! {
         0xc3 since 3 BrownOut(BrownOut),
         /// The token that lets the next command enter the bootloader.
         0xd0 since 0 BootloaderToken(u32),
+        /// The token that lets the next command make the device fail, and how the last ordered fault ended.
+        0xd2 since 3 FaultTrial(FaultTrial),
         /// Number, lock-ins, delay and lost blocks of the inputs.
         0xe0 since 3 Inputs(InputsReport),
         /// How the inputs answered each tone.

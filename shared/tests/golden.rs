@@ -210,7 +210,7 @@ fn each_addition_of_1_2_reaches_1_1_as_a_substitute_or_not_at_all() {
 #[test]
 fn each_addition_of_1_3_reaches_1_2_as_a_substitute_or_not_at_all() {
     let mut received = events_of(3).into_iter().map(|(_, event)| as_received(&event, minor(2)));
-    assert!(received.by_ref().take(20).all(|event| event.is_none()), "what the board is");
+    assert!(received.by_ref().take(23).all(|event| event.is_none()), "what the board is");
     let Some(Some(Event::Status(status))) = received.next() else { panic!("a stop on the desk is known") };
     let emergency = Fault::EmergencyStop;
     assert_eq!((status.faults, status.first_fault), (Faults::NONE.with(emergency), Some(emergency)));

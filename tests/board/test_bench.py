@@ -1,6 +1,7 @@
 """The bench, the trials of the mute pin, and what the device reports of its supply and its clocks."""
 import pytest
 
+from boards import H743
 from core.usb import UsbHost
 from host import RATE_HZ, drive
 from messages import AT_TRIGGER, ArmLease, MuteStep
@@ -28,6 +29,16 @@ def test_the_device_reports_its_reference_voltage_and_its_brown_out_level(rig):
     assert report.reference_mv == pytest.approx(1000 * rig.board.adc.reference_volts, rel=0.002)
     assert report.linear_per_mille == {"STM32F4DISCOVERY": 870}.get(rig.facts.name, 880)
     assert report.brown_out_level is not None
+    if rig.facts is H743:
+        assert report.ram_errors == 0
+        rig.board.ram_ecc.values[0x64] = 0b10
+        assert rig.host.ask("Analogue").ram_errors == 2
+        rig.board.reset("pin")
+        rig.host.forget()
+        rig.host.connect()
+        assert rig.host.ask("Analogue").ram_errors == 0, "it counts from the start on"
+    else:
+        assert report.ram_errors is None
     assert (report.revision, report.chip) == (rig.board.debug.identity >> 16, rig.board.debug.identity & 0xFFF)
 
 

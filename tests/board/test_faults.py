@@ -2,8 +2,10 @@
 import pytest
 from unicorn import arm_const
 
-from boards import RENDERER_IRQ
+from boards import H743, RENDERER_IRQ, on
 from host import BLOCK, RATE_HZ
+from messages import FaultOrder
+from records import Choice
 from rig import MID, MILLISECOND, is_silent, start
 
 
@@ -163,6 +165,64 @@ def test_an_interrupt_without_a_handler_mutes_and_is_reported(armed):
     assert seen == [(0, MID)], "muted before the reset"
     identity = armed.host.connect()
     assert (identity["reset"], identity["crash"]) == ("hard fault", "unexpected exception 16")
+
+
+# The reset, what the next hello names, the latched fault, and until when the pin is low: by the page of safety, and the watchdog's
+# oscillator as the model has it.
+ORDERED = {
+    "Hang": ("watchdog", "watchdog", "watchdog", 0.35),
+    "MaskedInterrupts": ("watchdog", "watchdog", "watchdog", MUTED_IN),
+    "StackOverflow": ("software", "hard fault", "crash", HANDLED_IN),
+}
+
+
+def fail_on_purpose(rig, faults):
+    """Orders each of these faults with the mute pin high, as the self-test does."""
+    host, board = rig.host, rig.board
+    host.connect()
+    for fault in faults:
+        reset, cause, latched, muted_in = ORDERED[fault]
+        host.upload()
+        host.arm()
+        host.live(0.01)
+        assert board.pin(rig.facts.unmute) == 1
+        board.resets.clear()
+        host.accept("FaultOrder", FaultOrder(Choice(fault), host.ask("FaultToken", answer="FaultTrial").token))
+        seen = at_each_reset(rig)
+        board.is_hasty = True
+        board.run_until(lambda: seen, 0.8, step=0.001)
+        board.is_hasty = False
+        assert board.resets == [reset] and seen[0][0] == (fault == "Hang"), (fault, seen)
+        del board.reset
+        host.forget()
+        identity = host.connect()
+        assert identity["reset"] == cause
+        last = host.ask("FaultToken", answer="FaultTrial").last
+        assert (last.fault.name, last.by_reset) == (fault, fault == "Hang")
+        assert last.muted_after_us <= muted_in * 1e6, last
+        assert fault != "MaskedInterrupts" or last.muted_after_us >= 3600, last
+        assert fault != "Hang" or last.muted_after_us >= 150_000, last
+        assert host.status()["faults"] == {latched}
+        host.accept("ClearFaults")
+    # Another reset forgets it.
+    board.reset("pin")
+    host.forget()
+    assert host.connect()["reset"] == "pin"
+    assert host.ask("FaultToken", answer="FaultTrial").last is None
+
+
+@pytest.mark.every_image
+def test_an_ordered_fault_mutes_in_time_and_does_not_count(rig):
+    """R-36: three resets in a row that nobody had ordered would be safe mode. A core that never sleeps until the watchdog's reset costs the
+    H743's model minutes: the night waits for it."""
+    fail_on_purpose(rig, ["StackOverflow"] if rig.facts is H743 else ORDERED)
+
+
+@pytest.mark.nightly
+@on(H743)
+def test_each_ordered_fault_of_the_fastest_chip_mutes_in_time(rig):
+    """R-36."""
+    fail_on_purpose(rig, ORDERED)
 
 
 def test_three_crashes_in_a_row_end_in_safe_mode(rig):

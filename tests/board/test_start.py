@@ -82,7 +82,7 @@ def test_the_rom_bootloader_is_entered_in_two_steps(rig):
         assert rig.board.bus_read(register, 4) & 7 == mode, "system memory at address 0, as after a boot from ROM"
     rig.board.reset("pin")
     rig.host.forget()
-    rig.host.connect()
+    assert rig.host.connect()["reset"] == "pin"
 
 
 @pytest.mark.every_image

@@ -30,7 +30,7 @@ from errors import FieldError, NoAnswer, Refused, SliplineError
 from messages import (
     AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, RECTANGULAR, VERSION_1_3, Accepted, ActuatorProfile, AnalogueEvent, ArmLease,
     BoardEvent, BrownOutEvent, BrownOutOrder, Capture, CaptureRead, Chord, ChordTone, ClockEvent, Comb, CombTone, DigestStart, Drive,
-    HeldEvent, Hello, HelloEvent, Hold, HoldTone, InputsEvent, KeepAlive, Listen, ListenRead, MaintenanceEvent, MutePinEvent, MuteStep, ProfileEvent,
+    FaultOrder, FaultTrialEvent, HeldEvent, Hello, HelloEvent, Hold, HoldTone, InputsEvent, KeepAlive, Listen, ListenRead, MaintenanceEvent, MutePinEvent, MuteStep, ProfileEvent,
     SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent, Version, WearEvent, WriteProfile, at, fault_names,
 )  # fmt: skip
 from postcard import check_integer
@@ -319,6 +319,15 @@ class Client:
         refuses that with `HoldButton` while the user button on its board is not pressed. Raises `SliplineError` with a device older
         than 1.3."""
         return self._request("BrownOut", "BrownOut", BrownOutOrder(write))[1]
+
+    def fault_trial(self) -> FaultTrialEvent:
+        """The token of a fault on purpose, and how the last one ended. Raises `SliplineError` with a device older than 1.3."""
+        return self._request("FaultToken", "FaultTrial")[1]
+
+    def order_fault(self, fault: str) -> int:
+        """Makes an armed, silent device fail on purpose (`Hang`, `MaskedInterrupts`, `StackOverflow`); it resets 0.1 to 0.7 s later.
+        Raises `SliplineError` with a device older than 1.3."""
+        return self._accepted("FaultOrder", FaultOrder(Choice(fault), self.fault_trial().token))
 
     def wear(self) -> WearEvent:
         """The wear of the profile's flash, and the tables that may be stored now. Raises `SliplineError` with a device older than

@@ -33,6 +33,7 @@ MUTE_RESISTOR = Enumeration("MuteResistor", "NotLooked", "Present", "Missing")  
 USER_BUTTON = Enumeration("UserButton", "None", "Released", "Pressed")  # since 1.3
 STOP_INPUT = Enumeration("StopInput", "Unused", "Closed", "Open", "NotInProfile")  # since 1.3
 MUTE_TRIAL = Enumeration("MuteTrial", "Read", "Lapse", "Break")  # since 1.3
+ORDERED_FAULT = Enumeration("OrderedFault", "Hang", "MaskedInterrupts", "StackOverflow")  # since 1.3
 PIN_LEVEL = Enumeration("PinLevel", "NoPin", "Low", "High")  # since 1.3
 FIELD = Enumeration(
     "Field", "ToneCount", "ToneSlot", "MasterLevel", "Glide", "ApplyAt", "KnotCount", "KnotStep", "KnotGain",
@@ -300,6 +301,14 @@ class BrownOutOrder(Record):
 
 
 @dataclass(frozen=True)
+class FaultOrder(Record):
+    """A fault on purpose, with the token that lets the device make it. Since 1.3."""
+
+    fault: Choice = field(ORDERED_FAULT)
+    token: int = field(U32)
+
+
+@dataclass(frozen=True)
 class Chord(Record):
     """Sounds multiples of the sample rate over `1 << period_log2`: `master` in 1/100 dB, `glide` in samples. Since 1.2."""
 
@@ -488,6 +497,7 @@ class AnalogueEvent(Record):
     brown_out_level: Optional[int] = field(Option(U8))
     chip: int = field(U16)
     revision: int = field(U16)
+    ram_errors: Optional[int] = field(Option(U8))
 
 
 @dataclass(frozen=True)
@@ -533,6 +543,23 @@ class BrownOutEvent(Record):
     options: int = field(U32)
     read_protection: int = field(U8)
     restarts: bool = field(BOOL)
+
+
+@dataclass(frozen=True)
+class FaultEnd(Record):
+    """How an ordered fault ended: when the mute pin was first read low, or last high where the reset came first. Since 1.3."""
+
+    fault: Choice = field(ORDERED_FAULT)
+    muted_after_us: int = field(U32)
+    by_reset: bool = field(BOOL)
+
+
+@dataclass(frozen=True)
+class FaultTrialEvent(Record):
+    """The token of a fault on purpose, and how the last one ended. Since 1.3."""
+
+    token: int = field(U32)
+    last: Optional[FaultEnd] = field(Option(Fields(FaultEnd)))
 
 
 @dataclass(frozen=True)
@@ -696,6 +723,8 @@ COMMANDS = {
         Kind(0x43, "BrownOut", Fields(BrownOutOrder), since=3),
         Kind(0x50, "BootloaderToken"),
         Kind(0x51, "BootloaderEnter", U32),
+        Kind(0x52, "FaultToken", since=3),
+        Kind(0x53, "FaultOrder", Fields(FaultOrder), since=3),
         Kind(0x60, "Inputs", since=3),
         Kind(0x61, "Listen", Fields(Listen), since=3),
         Kind(0x62, "ListenRead", Fields(ListenRead), since=3),
@@ -730,6 +759,7 @@ EVENTS = {
         Kind(0xB1, "Digest", Fields(DigestEvent)),
         Kind(0xC3, "BrownOut", Fields(BrownOutEvent), since=3),
         Kind(0xD0, "BootloaderToken", U32),
+        Kind(0xD2, "FaultTrial", Fields(FaultTrialEvent), since=3),
         Kind(0xE0, "Inputs", Fields(InputsEvent), since=3),
         Kind(0xE2, "Listened", Fields(ListenedEvent), since=3),
         Kind(0xE5, "Captured", Fields(CapturedEvent), since=3),

@@ -107,6 +107,17 @@ def test_the_amplifier_of_the_simulated_device_is_tested() -> None:
             device.selftest(amplifier=True, sensor_wire=True)
 
 
+def test_the_brown_out_level_is_read_and_set_behind_a_question(command: Any) -> None:
+    shown = command("board", "brown-out", "--port", "sim").answer()
+    with slipline.connect("sim") as device:
+        found = device.brown_out()
+        assert found.to_dict() == {name: value for name, value in shown.items() if name != "schema"}
+        assert found.brown_out_guarded and not found.written and found.brown_out_level == found.brown_out_level_needed
+        with pytest.raises(slipline.Refused, match="add power_is_safe=True"):
+            device.brown_out(set=True)
+        assert not device.brown_out(set=True, power_is_safe=True).written
+
+
 def test_a_current_that_images_may_falsify_is_warned_of() -> None:
     plate = slipline.Plate("al-bending")
     with slipline.connect("sim", actual_plate=plate, sensor_m=0.034) as device:
@@ -121,5 +132,8 @@ def test_a_current_that_images_may_falsify_is_warned_of() -> None:
         with pytest.warns(UserWarning, match="may falsify the current by"):
             device.measure(**circuit, amplifier_bandwidth_hz=120e3)
         device.measure(**circuit, amplifier_bandwidth_hz=120e3, filter_bandwidth_hz=120e3)
+        device.use(slipline.Plate.from_toml(plate.to_toml() + "\n[actuator]\namplifier_bandwidth_hz = 120000\n"))
+        with pytest.warns(UserWarning, match="may falsify the current by"):
+            device.measure(**circuit)
         with pytest.raises(slipline.OutOfRange, match="amplifier_bandwidth_hz = 1 Hz"):
             device.measure(**circuit, amplifier_bandwidth_hz=1.0)

@@ -81,6 +81,7 @@ def test_a_devices_results_have_the_fields_of_their_classes(plate):
         yields += device.sequence([{"at": device.status().now_samples + 100_000}])
         yields.append(device.verify(tones=2, window_s=0.05))
         yields.append(device.selftest(short=True))
+        yields.append(device.brown_out())
     for one in yields:
         assert list(wrong(one)) == [], one
 

@@ -81,6 +81,7 @@ async def devices(plate: slipline.Plate) -> None:
         print(measured, device.verify(tones=3).equal, device.sample_rate_hz)
         report = device.selftest(sensor_wire=True, trigger_wire=True, amplifier_unplugged=False, short=True)
         device.selftest(amplifier=True)
+        level: int = device.brown_out(set=False, power_is_safe=False).brown_out_level
         harmonics = device.measure_harmonics(0.03, points=8, level=0.8)
         stated: slipline.Plate = harmonics.plate
         ratios: list[NDArray[np.float64]] = [one.ratio_db for one in harmonics.harmonics]

@@ -1,6 +1,6 @@
 //! One of every command.
 
-use slipline_protocol::board::{BrownOutOrder, MuteStep};
+use slipline_protocol::board::{BrownOutOrder, FaultOrder, MuteStep};
 use slipline_protocol::command::{
     ArmLease, DigestWindow, Hello, KeepAlive, ProfileSetting, TableChunk, TravelLimit, TravelSetting,
 };
@@ -63,6 +63,8 @@ pub fn every_command() -> Vec<Command> {
         Command::BrownOut(BrownOutOrder { is_written: true }),
         Command::BootloaderToken,
         Command::BootloaderEnter(0),
+        Command::FaultToken,
+        Command::FaultOrder(FaultOrder::default()),
         Command::Inputs,
         Command::Listen(ListenWindow {
             from: None,

@@ -42,6 +42,7 @@ mod minor_versions;
 mod mirror;
 mod noise;
 mod on_bench;
+mod ordered_faults;
 mod port_errors;
 mod ports;
 mod profile;

@@ -332,6 +332,7 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             | Command::ArmFor(_)
             | Command::Bench(_)
             | Command::Stall
+            | Command::FaultOrder(_)
             | Command::Drive(_)
             | Command::Chord(_)
             | Command::Comb(_) => event == Event::Refused(Refusal::Faulted { faults }),
@@ -342,6 +343,7 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             Command::TableDigest => matches!(event, Event::Table(_)),
             Command::DigestRead => event == Event::Refused(Refusal::NoDigest),
             Command::TableChunk(_) | Command::TableCommit => event == Event::Refused(Refusal::NoUpload),
+            Command::FaultToken => matches!(event, Event::FaultTrial(_)),
             Command::BootloaderToken => matches!(event, Event::BootloaderToken(_)),
             Command::BootloaderEnter(_) => event == Event::Refused(Refusal::BadToken),
             Command::Hello(_)

@@ -14,6 +14,7 @@
 mod brown_out;
 mod drive;
 mod excursion;
+mod fault_trial;
 mod hold;
 mod listening;
 mod mute_pin;
@@ -24,6 +25,7 @@ mod tables;
 use core::cell::Cell;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
+use slipline_protocol::board::OrderedFault;
 use slipline_protocol::command::{Command, DigestWindow, KeepAlive, TableHeader};
 use slipline_protocol::event::{
     Accepted, Digest, Event, Fault, Faults, StoredConfig, TableReport, TriggerReport,
@@ -33,7 +35,6 @@ use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::timing::Timing;
 use slipline_protocol::units::SampleIndex;
 
-use crate::bootloader::BootloaderEntry;
 use crate::digest::DigestState;
 use crate::listening::capture::Values;
 use crate::mailbox::Mailbox;
@@ -48,6 +49,7 @@ use crate::safety::thermal::Thermal;
 use crate::slots::TableRef;
 use crate::store::Budget;
 use crate::timing::BLOCK_SAMPLES;
+use crate::two_steps::TwoSteps;
 use crate::upload::{self, Upload};
 
 /// The facts about a device that never change.
@@ -90,7 +92,10 @@ pub struct Controller<'a, F, S> {
     captured: &'a Values,
     holding: hold::Holding,
     last_keep_alive: Option<u32>,
-    bootloader: BootloaderEntry,
+    bootloader: TwoSteps,
+    /// The fault on purpose that the two steps lead to.
+    fault_order: TwoSteps,
+    ordered_fault: OrderedFault,
     /// When the level of the brown-out reset was written: it is in force after a restart.
     restart_due: Option<SampleIndex>,
     /// Blocks that the renderer has begun while the last motion was planned.
@@ -129,7 +134,9 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             captured,
             holding: hold::Holding::NONE,
             last_keep_alive: None,
-            bootloader: BootloaderEntry::default(),
+            bootloader: TwoSteps::default(),
+            fault_order: TwoSteps::default(),
+            ordered_fault: OrderedFault::default(),
             restart_due: None,
             lead: Cell::new(0),
         }
@@ -165,6 +172,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         self.upload = None;
         self.excursion.clear();
         self.bootloader.close();
+        self.fault_order.close();
         self.last_keep_alive = None;
     }
 
@@ -283,6 +291,8 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
                 self.bootloader.show_token(*token, now, &self.timing)?;
                 Ok(accepted(now))
             }
+            Command::FaultToken => self.fault_token(mailbox).map(Event::FaultTrial),
+            Command::FaultOrder(order) => self.order_fault(*order, mailbox).map(accepted),
             Command::Inputs => Ok(listening::inputs(mailbox)),
             Command::Listen(window) => self.listen(window, mailbox).map(accepted),
             Command::ListenRead(part) => listening::listened(*part, mailbox),
@@ -347,6 +357,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             self.system.enter_bootloader();
         }
         self.restart_if_due(&view);
+        self.fail_if_due(&view, mailbox);
         mailbox.pulse_safety();
         self.turn_hold(is_stopped, mailbox);
     }

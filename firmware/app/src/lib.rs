@@ -35,7 +35,7 @@
 //!   (table and profile). Tests: `tests/tests/storage.rs`, `tests/tests/profile.rs`
 //! - `digest.rs`: the CRC of a window of codes, for `slipline verify`. Tests: `tests/tests/verify.rs`
 //! - `timing.rs`, `range.rs`: the protocol's times in samples, and checks of ranges
-//! - `bootloader.rs`, `release.rs`: the way into the ROM bootloader, and the firmware's release
+//! - `two_steps.rs`, `release.rs`: the way into the ROM bootloader or a fault on purpose, and the firmware's release
 #![no_std]
 #![expect(
     clippy::new_without_default,
@@ -59,7 +59,6 @@
 #[cfg(test)]
 extern crate std;
 
-pub mod bootloader;
 pub mod controller;
 pub mod digest;
 pub mod inbox;
@@ -77,6 +76,7 @@ pub mod session;
 pub mod slots;
 pub mod store;
 pub mod timing;
+pub mod two_steps;
 pub mod upload;
 
 pub use controller::Device;

@@ -7,8 +7,8 @@ use core::ops::Range;
 use slipline_dds::bank::{BLOCK, TONES};
 
 pub use slipline_protocol::board::{
-    Analogue, BoardReport, BrownOut, ClockReport, MuteFall, MuteResistor, MuteTrial, PinLevel, SampleClock,
-    StopInput, UsbFrame, UserButton,
+    Analogue, BoardReport, BrownOut, ClockReport, FaultEnd, MuteFall, MuteResistor, MuteTrial, OrderedFault,
+    PinLevel, SampleClock, StopInput, UsbFrame, UserButton,
 };
 pub use slipline_protocol::units::SampleIndex;
 
@@ -353,6 +353,16 @@ pub trait System {
 
     /// Restarts the device, with its new option bytes. Called when disarmed and silent, after the reply has gone out.
     fn restart(&mut self) {}
+
+    /// Makes the device fail in this way, after it has marked the fault as ordered in the record that the next start reads
+    /// ([`CrashRecord`](crate::CrashRecord)), and watches the mute pin meanwhile. The fault resets it. Called when the mute pin is high
+    /// and nothing sounds.
+    fn fail(&mut self, _fault: OrderedFault) {}
+
+    /// The ordered fault that ended the last run, if one did.
+    fn fault_end(&self) -> Option<FaultEnd> {
+        None
+    }
 
     /// Leaves the application for the ROM bootloader. Called when disarmed and silent, after the reply has gone out.
     fn enter_bootloader(&mut self);

@@ -34,6 +34,7 @@
 //! | `guard_clock()`, `take_clock_failure()` | the clock security system: switches it on; whether it has found a failure |
 //! | `set_debug_freezes()` | what stands still while a debugger has halted the core |
 //! | `take_reset_flags()`, `chip()` | the reset's cause; the chip's device id and revision |
+//! | `watch_ram()`, `ram_errors()` | latches the errors of the RAM from now on; which there were, where the chip corrects them |
 //! | `BROWN_OUT_LEVEL` | the lowest level of the brown-out reset that guards the board, counted from the lowest threshold |
 //! | `LINEAR_PER_MILLE` | the share of the DAC's half swing within which its output is linear |
 //! | `REFERENCE_CALIBRATION` | where the chip keeps the code of its internal reference, and at which VREF+ in mV that was measured |

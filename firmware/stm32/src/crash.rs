@@ -11,10 +11,11 @@ use core::panic::PanicInfo;
 
 use cortex_m::peripheral::SCB;
 use slipline_app::ResetCause;
+use slipline_app::ports::OrderedFault;
 use slipline_app::safety::boot::Boot;
 use slipline_app::safety::crash::CrashRecord;
 
-use crate::{board, dac, guard, mute, store};
+use crate::{board, dac, guard, mute, pin_watch, store};
 
 /// The record's bytes. After power-on they are random, so they are always checked by their CRC.
 #[repr(align(4))]
@@ -65,6 +66,11 @@ pub(crate) fn stable() {
     }
 }
 
+/// Marks a fault as ordered, which is about to end this run.
+pub(crate) fn order(fault: OrderedFault) {
+    write(&CrashRecord { ordered: Some(fault), ..read().unwrap_or_default() });
+}
+
 /// Switches interrupts off, mutes, and sets the DAC to mid-scale.
 pub(crate) fn silence() {
     cortex_m::interrupt::disable();
@@ -74,8 +80,9 @@ pub(crate) fn silence() {
 
 /// Records the cause, the message and the count of crashes in a row so far, and resets the chip.
 fn end(cause: ResetCause, message: &dyn Display) -> ! {
-    let resets = read().map_or(0, |record| record.resets);
-    write(&CrashRecord::crashed(cause, resets, message));
+    pin_watch::look_after_silence();
+    let CrashRecord { resets, ordered, .. } = read().unwrap_or_default();
+    write(&CrashRecord { ordered, ..CrashRecord::crashed(cause, resets, message) });
     SCB::sys_reset();
 }
 

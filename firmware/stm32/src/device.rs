@@ -13,8 +13,8 @@ use slipline_app::listening::capture::Values;
 use slipline_app::listening::listener::Listener;
 use slipline_app::planning::chord::Candidate;
 use slipline_app::ports::{
-    Analogue, BoardReport, BrownOut, ClockReport, CycleCounter, FlashError, MuteFall, MuteResistor,
-    MuteTrial, PinLevel, RendererPorts, SampleClock, SampleIndex, StopInput, System,
+    Analogue, BoardReport, BrownOut, ClockReport, CycleCounter, FaultEnd, FlashError, MuteFall, MuteResistor,
+    MuteTrial, OrderedFault, PinLevel, RendererPorts, SampleClock, SampleIndex, StopInput, System,
 };
 use slipline_app::safety::boot::{Boot, STABLE_AFTER_MS};
 use slipline_app::{Device, Link, Mailbox, Renderer, Supervisor, Timing, release};
@@ -32,7 +32,9 @@ use crate::trigger::TriggerPins;
 use crate::uart_link::{FromHost, ToHost, next_frame, start as start_link};
 #[cfg(feature = "link-usb")]
 use crate::usb_link::{FromHost, ToHost, next_frame, start as start_link};
-use crate::{bootloader, crash, fast, guard, pin_lock, priority, store, supply, watchdog};
+use crate::{
+    bootloader, crash, fast, fault_trial, guard, pin_lock, pin_watch, priority, store, supply, watchdog,
+};
 
 type SharedMailbox = Mailbox<CriticalSectionRawMutex>;
 
@@ -105,6 +107,8 @@ fn main() -> ! {
     board::tune_flash();
     fast::load();
     let boot = crash::boot();
+    // After the record has been read, which the power-on leaves undefined.
+    board::watch_ram();
     supply::watch();
     // SAFETY: no task runs yet.
     Mailbox::new_in(unsafe { &mut *MAILBOX.0.get() });
@@ -153,7 +157,12 @@ fn main() -> ! {
             spawner.spawn(task);
         }
         let (read, write) = start_link(spawner, board.link);
-        let facts = Facts::new(has_mute_resistor, reference_mv, board.stop_input);
+        let facts = Facts {
+            has_mute_resistor,
+            reference_mv,
+            stop_input: FoundStopInput::Unused(board.stop_input),
+            fault_end: boot.ordered.map(pin_watch::end_of),
+        };
         if let Ok(task) = talk(read, write, boot, store, facts) {
             spawner.spawn(task);
         }
@@ -250,6 +259,8 @@ struct Facts {
     has_mute_resistor: bool,
     reference_mv: u16,
     stop_input: FoundStopInput,
+    /// How the ordered fault ended that has ended the last run.
+    fault_end: Option<FaultEnd>,
 }
 
 /// The stop input's pin, and what the actuator's profile has made of it.
@@ -260,12 +271,6 @@ enum FoundStopInput {
     NotFitted(Flex<'static>),
     /// The mute timer's break.
     Fitted,
-}
-
-impl Facts {
-    const fn new(has_mute_resistor: bool, reference_mv: u16, stop_input: Flex<'static>) -> Self {
-        Self { has_mute_resistor, reference_mv, stop_input: FoundStopInput::Unused(stop_input) }
-    }
 }
 
 impl System for Facts {
@@ -307,6 +312,7 @@ impl System for Facts {
             brown_out_level: Some(store::brown_out_level()),
             chip,
             revision,
+            ram_errors: board::ram_errors(),
         }
     }
 
@@ -359,6 +365,14 @@ impl System for Facts {
         crash::silence();
         store::load_options();
         SCB::sys_reset();
+    }
+
+    fn fail(&mut self, fault: OrderedFault) {
+        fault_trial::fail(fault);
+    }
+
+    fn fault_end(&self) -> Option<FaultEnd> {
+        self.fault_end
     }
 
     fn enter_bootloader(&mut self) {

@@ -30,8 +30,8 @@
 //! - `store.rs`: flash slots of table and profile, and the option bytes' brown-out level. Tests: `tests/board/test_store.py`,
 //!   `tests/board/test_brown_out.py`
 //! - `priority.rs`: the interrupts' priorities
-//! - `guard.rs`, `crash.rs`, `reset.rs`, `supply.rs`, `watchdog.rs`: what guards the program, and what a crash leaves
-//!   behind. Tests: `tests/board/test_faults.py`
+//! - `guard.rs`, `crash.rs`, `reset.rs`, `supply.rs`, `watchdog.rs`, `fault_trial.rs`, `pin_watch.rs`: what guards the program,
+//!   what a crash leaves behind, and faults on purpose with the time to mute. Tests: `tests/board/test_faults.py`
 //! - `bootloader.rs`, `lamp.rs`: the ROM bootloader, and the lamp's patterns
 //! - `fast.rs`, `copy.rs`: code and tables in RAM, copies of memory. Tests: `tests/board/test_fast_code.py`,
 //!   `tests/board/test_copy.py`
@@ -66,6 +66,9 @@ mod dma;
 mod fast;
 #[cfg(target_arch = "arm")]
 #[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
+mod fault_trial;
+#[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod guard;
 #[cfg(any(target_arch = "arm", test))]
 mod lamp;
@@ -73,6 +76,9 @@ mod lamp;
 mod mute;
 #[cfg(target_arch = "arm")]
 mod pin_lock;
+#[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
+mod pin_watch;
 #[cfg(any(target_arch = "arm", test))]
 mod places;
 #[cfg(target_arch = "arm")]

@@ -124,6 +124,8 @@ pub struct Connection<O: Opener> {
     short_lives: u32,
     /// The watch over the driver; `None` if the driver itself calls [`Connection::step`].
     driver: Option<DriverWatch>,
+    /// Those that wait for the device to answer, each until when.
+    awaiting: Vec<(Ticket, Duration)>,
 }
 
 impl<O: Opener> Connection<O> {
@@ -147,6 +149,7 @@ impl<O: Opener> Connection<O> {
             opened_at: Duration::ZERO,
             short_lives: 0,
             driver: None,
+            awaiting: Vec::new(),
         }
     }
 
@@ -249,6 +252,7 @@ impl<O: Opener> Connection<O> {
                 self.recorder.touch();
                 self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });
             }
+            Request::Await(patience) => self.awaiting.push((ticket, now + patience)),
             Request::Note(severity, text) => {
                 self.recorder.log(severity, text);
                 self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });
@@ -276,6 +280,8 @@ impl<O: Opener> Connection<O> {
             | Request::ReadClock
             | Request::Stall
             | Request::BrownOut(_)
+            | Request::FaultToken
+            | Request::FaultOrder(_)
             | Request::Refresh
             | Request::Digest(_) => self.request_of_device(ticket, request, now),
         }
@@ -313,6 +319,21 @@ impl<O: Opener> Connection<O> {
             Next::Lose(error) => self.lose(error, now),
         }
         self.watch_entry(now);
+        self.end_awaiting(now);
+    }
+
+    /// Ends the waits for the device: it answers, or has not in time.
+    fn end_awaiting(&mut self, now: Duration) {
+        let is_connected = self.recorder.view.is_connected();
+        let recorder = &mut self.recorder;
+        self.awaiting.retain(|&(ticket, until)| {
+            let waits = !is_connected && now < until;
+            if !waits {
+                let outcome = if is_connected { Outcome::Done { at: 0 } } else { Outcome::NotConnected };
+                recorder.finish(Some(ticket), outcome);
+            }
+            waits
+        });
     }
 
     /// The latest time of the next [`Connection::step`]; `None` while nothing is pending.
@@ -336,7 +357,8 @@ impl<O: Opener> Connection<O> {
                 Some(if unwritten { deadline.min(now + WRITE_PAUSE) } else { deadline })
             }
         };
-        due.into_iter().chain(self.entry_deadline()).min()
+        let awaiting = self.awaiting.iter().map(|&(_, until)| until);
+        due.into_iter().chain(self.entry_deadline()).chain(awaiting).min()
     }
 
     fn exchange(&mut self, now: Duration) -> Next {

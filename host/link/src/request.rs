@@ -7,7 +7,7 @@ use crate::port::Port;
 use crate::refusal::Refusal;
 use crate::sounding::Sounding;
 use crate::table::DeviceTable;
-use slipline_protocol::board::{BrownOutOrder, MuteTrial};
+use slipline_protocol::board::{BrownOutOrder, FaultOrder, MuteTrial};
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::event::Digest;
 use slipline_protocol::profile::ActuatorProfile;
@@ -78,6 +78,13 @@ pub enum Request {
     /// [`DeviceView::brown_out`](crate::snapshot::DeviceView::brown_out) has the answer. Written only when disarmed and silent, and
     /// while the board's user button is held; then the device restarts.
     BrownOut(BrownOutOrder),
+    /// Ask for the token of a fault on purpose, and how the last one ended;
+    /// [`DeviceView::fault_trial`](crate::snapshot::DeviceView::fault_trial) has the answer.
+    FaultToken,
+    /// Make the device fail on purpose, while it is armed, its mute pin is high and nothing sounds. It resets, and the link loses it.
+    FaultOrder(FaultOrder),
+    /// Wait until the device answers, for so long at most; then it is not connected.
+    Await(Duration),
     /// Read the status now.
     Refresh,
     /// Set whether a lost device is looked for, and a missing port waited for.
@@ -118,6 +125,9 @@ impl Request {
             Self::ReadClock => "clocks",
             Self::Stall => "stall",
             Self::BrownOut(_) => "brown-out level",
+            Self::FaultToken => "token of a fault",
+            Self::FaultOrder(_) => "fault on purpose",
+            Self::Await(_) => "wait",
             Self::Refresh => "status",
             Self::AutoReconnect(_) => "reconnect switch",
             Self::Observe => "observe",

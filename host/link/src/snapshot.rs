@@ -10,7 +10,7 @@ use crate::table::DeviceTable;
 use crate::trace::TracedFrame;
 use crate::upkeep;
 use slipline_protocol::Command;
-use slipline_protocol::board::{Analogue, BoardReport, BrownOut, ClockReport, MutePin};
+use slipline_protocol::board::{Analogue, BoardReport, BrownOut, ClockReport, FaultTrial, MutePin};
 use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::{
     AcceptedUntil, Fault, Faults, Identity, Maintenance, ProfileReport, State, Status, TableReport,
@@ -159,6 +159,9 @@ pub struct DeviceView {
     /// The level of its brown-out reset, as it was read or written last ([`Request::BrownOut`](crate::Request::BrownOut)); `None` before
     /// that.
     pub brown_out: Option<BrownOut>,
+    /// The token of a fault on purpose, and how the last one ended ([`Request::FaultToken`](crate::Request::FaultToken)); `None` before
+    /// that.
+    pub fault_trial: Option<FaultTrial>,
     /// The capabilities of its inputs, while connected; `None` with a protocol older than 1.3. Read at the start.
     pub inputs: Option<InputsReport>,
     /// The profile of its actuator, while connected; `None` with a protocol older than 1.3. Read at the start and after each write.

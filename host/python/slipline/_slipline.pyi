@@ -7,7 +7,7 @@ from collections.abc import Coroutine, Iterator, Sequence
 from numpy.typing import ArrayLike
 from os import PathLike
 from slipline._rest import Rest
-from slipline.results import Calibration, Check, Design, Drive, Field, Harmonics, Merit, PortInfo, Profile, Result, Results, Selftest, Simulation, Status, Sweep, Table, Texture, Trim, Verification
+from slipline.results import BrownOut, Calibration, Check, Design, Drive, Field, Harmonics, Merit, PortInfo, Profile, Result, Results, Selftest, Simulation, Status, Sweep, Table, Texture, Trim, Verification
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
 __all__ = ["VERSION", "Device", "Measurement", "Plate", "_Study", "_find_numpy", "connect", "design", "ports", "presets"]
@@ -51,6 +51,14 @@ class Device:
         Unmutes the amplifier and accepts drives; only inside the block.
 
         A board without a brown-out level, or without a profile of its actuator, is armed only where the user accepts that.
+        """
+    def brown_out(self, /, *, set: bool = False, power_is_safe: bool = False) -> BrownOut:
+        """
+        The level of the board's brown-out reset, as ``slipline board brown-out``; with ``set``, the board writes the level that it needs
+        into its chip's option bytes, once, and restarts: press its user button and hold it meanwhile.
+
+        If the power fails meanwhile some chips erase their program, so ``set`` needs ``power_is_safe``. The result has ``written``, and
+        the level as it was read back after the restart. Raises ``Refused`` if the button is not held.
         """
     def clear_faults(self, /) -> None:
         """
@@ -165,8 +173,9 @@ class Device:
         Tests the board by itself, as ``slipline selftest``, with its amplifier muted, and leaves it disarmed.
 
         ``sensor_wire``: a wire leads from the DAC's pin to the sensor's; ``trigger_wire``: one leads from the trigger output to the
-        trigger input. ``amplifier_unplugged`` permits the step that takes the mute pin high, and ``short`` takes three seconds. The
-        result has ``passed`` and ``steps``, each with ``verdict``: a step without its wire is ``"skipped"``.
+        trigger input. ``amplifier_unplugged`` permits the steps that take the mute pin high, to time it and to make the board fail on
+        purpose, and ``short`` takes three seconds, without the latter. The result has ``passed`` and ``steps``, each with ``verdict``: a
+        step without its wire is ``"skipped"``.
 
         ``amplifier`` tests the amplifier instead, connected and switched on, by tones at -40 dB with it muted and then on: do this once
         all else has passed. The simulated device has one with ``sensor_m`` of :func:`slipline.connect`.

@@ -14,6 +14,7 @@ from ._slipline import Measurement, Plate
 
 __all__ = [
     "ActuatorProfile",
+    "BrownOut",
     "Calibration",
     "CalibrationBefore",
     "CalibrationParameter",
@@ -1019,6 +1020,21 @@ class Sweep(Result):
     """Sample rate; Hz."""
     sweep_s: float
     """Time of one sweep; s."""
+
+
+class BrownOut(Result):
+    """The level of a board's brown-out reset."""
+
+    brown_out_guarded: bool | None
+    """Whether the brown-out level is set; None for an older device."""
+    brown_out_level: int
+    """Level of the brown-out reset, counted from the lowest threshold."""
+    brown_out_level_needed: int
+    """Lowest level that guards the board."""
+    option_bytes: str
+    """The chip's register of option bytes that holds the level, eight hexadecimal digits."""
+    written: bool
+    """Whether the level was written, and compared after the restart."""
 
 
 class ProfileCoil(Result):

@@ -39,7 +39,7 @@ pub(crate) mod kind {
             }
         )* };
     }
-    kinds!(Calibration Check Design Drive Field Harmonics Merit PortInfo Profile Selftest Simulation Status Sweep Table Texture Trim Verification);
+    kinds!(BrownOut Calibration Check Design Drive Field Harmonics Merit PortInfo Profile Selftest Simulation Status Sweep Table Texture Trim Verification);
 }
 
 /// The fields of a result of this kind, which becomes an instance of its class.

@@ -6,6 +6,7 @@ use super::output;
 use super::rig::PortArgument;
 use clap::{Args, Subcommand};
 use serde_json::json;
+use slipline_instrument::requests::BrownOutAnswer;
 use slipline_link::protocol::board::BrownOut;
 use slipline_link::upkeep;
 use std::io::{self, IsTerminal as _};
@@ -51,18 +52,7 @@ pub(super) fn run(arguments: &BoardArguments, as_json: bool) -> Result<(), Failu
         device.disarm()?;
         level = device.raise_brown_out_level(&port)?;
     }
-    let value = json!({
-        "brown_out_guarded": level.level >= level.needed,
-        // JSON, 1: Level of the brown-out reset, counted from the lowest threshold
-        "brown_out_level": level.level,
-        // JSON, 1: Lowest level that guards the board
-        "brown_out_level_needed": level.needed,
-        // JSON, text: The chip's register of option bytes that holds the level, eight hexadecimal digits
-        "option_bytes": format!("{:08x}", level.options),
-        // JSON, true or false: Whether the level was written, and compared after the restart
-        "written": level.restarts,
-    });
-    output::print(as_json, &value, |out| writeln!(out, "{}", sentence(&level)))
+    output::print(as_json, &json!(BrownOutAnswer::of(&level)), |out| writeln!(out, "{}", sentence(&level)))
 }
 
 /// Asks the user whether the board's power is safe, on a terminal.

@@ -32,7 +32,7 @@ pub(super) struct KnownDriveArgument {
     #[arg(long, value_name = "AMPERE", value_parser = of_circuit(ampere, SHUNT), allow_hyphen_values = true, requires = "amplifier")]
     shunt: Option<f64>,
     /// The bandwidth of the amplifier (120kHz), a low-pass of second order, 10Hz to 100MHz. It bounds the images of the tones above half
-    /// of the sample rate that fold onto a measured current.
+    /// of the sample rate that fold onto a measured current. Without it the plate file's counts.
     #[arg(long, value_name = "F", value_parser = of_circuit(quantity::frequency_hz, BANDWIDTH), allow_hyphen_values = true, requires = "amplifier")]
     amplifier_bandwidth: Option<f64>,
     /// The bandwidth of a filter of second order before the amplifier or before the input of the current, 10Hz to 100MHz.

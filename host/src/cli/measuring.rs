@@ -11,14 +11,15 @@ use super::rig::PortArgument;
 use super::source::is_standard_input_taken;
 use clap::Args;
 use slipline_instrument::measure::{
-    KnownDrive, MeasureError, Measured, POINTS, Sensor, Warning, current_sensor,
+    Bandwidths, KnownDrive, MeasureError, Measured, POINTS, Sensor, current_sensor,
 };
 use slipline_instrument::native;
 use slipline_instrument::requests::{Frequencies, MeasureRequest};
 use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_model::atomic_file::said;
+use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{DriveCheck, Measurement, SensorKind, check_places};
+use slipline_plate::calibrate::{DriveCheck, DriveLoad, Measurement, SensorKind, check_places};
 use slipline_plate::quantity::{must_be, show_place};
 
 /// The measured frequencies.
@@ -137,8 +138,14 @@ pub(super) fn current(plate: &Plate, by: &ByDevice<'_>, is_piezo: bool) -> Resul
     let (measurer, _) = by.measurer(&device, plate, rig.as_ref())?;
     let measured = measurer.measure(current_sensor())?;
     // The simulated amplifier makes images on request alone.
-    let is_unbounded = is_piezo && rig.is_none() && by.request.known.is_none();
-    for warning in is_unbounded.then_some(Warning::UnknownImages).iter().chain(&measured.warnings) {
+    let is_unstated = is_piezo && rig.is_none() && by.request.known.is_none();
+    let warning = is_unstated.then(|| {
+        let highest_hz = measured.measurement.points.last().map_or(0.0, |last| last.frequency_hz);
+        // The bound is the same for every capacitance.
+        let any = DriveLoad::Piezo { capacitance_f: 1e-9 };
+        Bandwidths::default().of_drive(plate).warning(&any, highest_hz, f64::from(SAMPLE_RATE_HZ))
+    });
+    for warning in warning.flatten().iter().chain(&measured.warnings) {
         output::note(format_args!("slipline: the current: {}", warning.sentence()));
     }
     Ok(measured.measurement)

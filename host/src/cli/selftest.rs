@@ -28,7 +28,7 @@ pub struct SelftestArguments {
     /// skipped.
     #[arg(long, value_name = "PIN=PIN", help_heading = "Board")]
     wire: Vec<Wire>,
-    /// The amplifier is unplugged: a step may take the mute pin high, to time its fall.
+    /// The amplifier is unplugged: steps may take the mute pin high, to time its fall, and to make the board fail on purpose.
     #[arg(long, help_heading = "Board")]
     amplifier_unplugged: bool,
     /// Test the amplifier, connected and switched on, once all else has passed without it: tones at -40 dB, which an input must receive
@@ -40,7 +40,7 @@ pub struct SelftestArguments {
     /// Test in three seconds: fewer codes, and the clocks over that time alone.
     #[arg(long, help_heading = "Board")]
     short: bool,
-    /// Ask a person to press the board's button, which is done by itself where a board is tested from a terminal.
+    /// Ask a person to press the board's buttons, which is done by itself where a board is tested from a terminal.
     #[arg(long, help_heading = "Board")]
     ask: bool,
     /// Write the report to this file, as --json prints it.

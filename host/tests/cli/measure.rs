@@ -6,7 +6,7 @@ use serde_json::Value;
 use slipline_instrument::measure::KnownDrive;
 use slipline_instrument::rig::{PreparedRig, RigOptions, secret};
 use slipline_plate::calibrate::{DriveLoad, File};
-use slipline_plate::preset;
+use slipline_plate::{Plate, PlateSpec, preset};
 
 /// 32 frequencies of aluminium take a third of a second.
 const ALUMINIUM: [&str; 6] = ["--port", "sim", "--plate", "al-bending", "--actual-plate", "secret:5"];
@@ -187,6 +187,20 @@ fn a_measured_current_of_a_piezo_is_cautioned_where_images_may_falsify_it() {
     says(&wide, &["may falsify the current by 3", "put a filter of second order before its input"]);
     let both = notes(&["--amplifier-bandwidth", "120kHz", "--filter-bandwidth", "120kHz"]);
     assert!(!both.contains("mages"), "{both}");
+    // The plate file's counts where none is stated.
+    let stated = file("images.toml");
+    let plate = preset("al-bending").unwrap();
+    let spec = PlateSpec { amplifier_bandwidth_hz: Some(120e3), ..plate.spec().clone() };
+    std::fs::write(&stated, Plate::new(spec).unwrap().to_toml()).unwrap();
+    let by_file = |more: &[&str]| {
+        let of_file =
+            ["measure", "--port", "sim", "--plate", stated.to_str().unwrap(), "--actual-plate", "secret:5"];
+        let current = ["--points", "32", "--input", "current"];
+        json(&[&of_file[..], &current, &circuit, more].concat())["warnings"].to_string()
+    };
+    assert_eq!(by_file(&[]), wide);
+    let narrower = by_file(&["--amplifier-bandwidth", "20kHz"]);
+    assert!(narrower != wide, "{narrower}");
     let alone = ["measure", "--port", "sim", "--input", "current", "--amplifier-bandwidth", "120kHz"];
     refused(&alone, 2, &["--amplifier"]);
 }

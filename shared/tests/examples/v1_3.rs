@@ -3,8 +3,9 @@
 use super::Example;
 use heapless::Vec;
 use slipline_protocol::board::{
-    Analogue, BoardReport, BrownOut, BrownOutOrder, ClockReport, MuteFall, MutePin, MuteResistor, MuteStep,
-    MuteTrial, PinLevel, SampleClock, StopInput, UsbFrame, UserButton,
+    Analogue, BoardReport, BrownOut, BrownOutOrder, ClockReport, FaultEnd, FaultOrder, FaultTrial, MuteFall,
+    MutePin, MuteResistor, MuteStep, MuteTrial, OrderedFault, PinLevel, SampleClock, StopInput, UsbFrame,
+    UserButton,
 };
 use slipline_protocol::command::{Apply, ArmLease, Comb, CombTone, ProfileSetting};
 use slipline_protocol::event::{
@@ -71,6 +72,16 @@ pub(crate) fn commands() -> std::vec::Vec<Example<Command>> {
         ("stall", Command::Stall),
         ("brown-out", Command::BrownOut(BrownOutOrder { is_written: false })),
         ("brown-out-write", Command::BrownOut(BrownOutOrder { is_written: true })),
+        ("fault-token", Command::FaultToken),
+        ("fault-hang", Command::FaultOrder(FaultOrder { fault: OrderedFault::Hang, token: 0x1234_5678 })),
+        (
+            "fault-masked-interrupts",
+            Command::FaultOrder(FaultOrder { fault: OrderedFault::MaskedInterrupts, token: 1 }),
+        ),
+        (
+            "fault-stack-overflow",
+            Command::FaultOrder(FaultOrder { fault: OrderedFault::StackOverflow, token: u32::MAX }),
+        ),
         ("bench", Command::Bench(ArmLease { lease_ms: 60_000 })),
         ("bench-largest", Command::Bench(ArmLease { lease_ms: u32::MAX })),
         ("write-profile", Command::WriteProfile(ProfileSetting { profile: Some(profile()) })),
@@ -252,6 +263,7 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         brown_out_level: Some(3),
         chip: 0x469,
         revision: 0x2003,
+        ram_errors: Some(0),
     };
     let fall = MuteFall { low_after_us: 4003, within_us: 1 };
     let clock = ClockReport {
@@ -261,6 +273,7 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
     };
     let brown_out =
         BrownOut { level: 2, needed: 2, options: 0x0fff_aae5, read_protection: 0xaa, restarts: true };
+    let fault_end = FaultEnd { fault: OrderedFault::MaskedInterrupts, muted_after_us: 4003, by_reset: false };
     let desk_stop = Status {
         state: State::Fault,
         faults: Faults::NONE.with(Fault::DeskStop),
@@ -300,6 +313,7 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
                 brown_out_level: Some(u8::MAX),
                 chip: u16::MAX,
                 revision: u16::MAX,
+                ram_errors: Some(u8::MAX),
             })
         ),
         (
@@ -331,6 +345,19 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
                 options: u32::MAX,
                 read_protection: u8::MAX,
                 restarts: true,
+            })
+        ),
+        ("fault-trial".to_owned(), Event::FaultTrial(FaultTrial { token: 0x1234_5678, last: None })),
+        ("fault-trial-last".to_owned(), Event::FaultTrial(FaultTrial { token: 1, last: Some(fault_end) })),
+        (
+            "fault-trial-largest".to_owned(),
+            Event::FaultTrial(FaultTrial {
+                token: u32::MAX,
+                last: Some(FaultEnd {
+                    fault: OrderedFault::StackOverflow,
+                    muted_after_us: u32::MAX,
+                    by_reset: true,
+                }),
             })
         ),
         ("status-reply-fault-10".to_owned(), Event::Status(desk_stop)),

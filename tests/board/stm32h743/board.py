@@ -41,6 +41,9 @@ REVISION_Y = 0x10036450
 # The fix of revision Y's AXI SRAM (ES0392 Rev 8, 2.2.9): AXI_TARG7_FN_MOD.
 INTERCONNECT, ISSUING = 0x51008000, 0x108
 
+# RAMECC1: configuration and status of the monitors of the AXI SRAM and of the DTCM's halves (RM0433, RAM ECC monitoring).
+RAM_ECC, MONITORS = 0x52009000, (0x20, 0x60, 0x80)
+
 # What pulls pins on the board: the mute pin's resistor (BOARDS.md).
 RESISTORS = {"PE9": 0}
 
@@ -133,6 +136,7 @@ class Board(board.Board):
         self.system = registers.Registers("SYSCFG", dict.fromkeys((0x04, 0x08, 0x0C, 0x10, 0x14, 0x18, 0x20, 0x2C), 0))
         self.crs = Crs()
         self.interconnect = registers.Registers("AXI interconnect", {ISSUING: 0})
+        self.ram_ecc = registers.Registers("RAMECC", {monitor + part: 0 for monitor in MONITORS for part in (0, 4)})
         self.pins = pins.Pins(self, ALTERNATES, PORTS, RESISTORS)
         self.timers |= {number: timer.Timer(self, number, facts) for number, facts in TIMERS.items()}
         # Revision Y has no HFSEL.
@@ -147,13 +151,13 @@ class Board(board.Board):
         self.mux = dmamux.Dmamux()
         self.watchdog = watchdog.Watchdog(self)
         self.debug = debug.Debug(self, REVISION_Y, FREEZES)
-        self.others = self.mux, self.system, self.interconnect, self.adc3, self.crs
+        self.others = self.mux, self.system, self.interconnect, self.ram_ecc, self.adc3, self.crs
         self.pages = {each.base: each for each in (*self.timers.values(), *self.dma.values())}
         self.pages |= {0x58020000 + 0x400 * i: port for i, port in enumerate(self.pins.ports.values())}
         self.pages |= {
             RCC: self.clocks, flash.BASE: self.flash, 0x58024800: self.power, 0x58000400: self.system,
             0x58000000: self.exti, 0x40007400: self.dac, adc.BASE: self.adc, adc.BASE_3: self.adc3, 0x58004800: self.watchdog, 0x5C001000: self.debug,
-            0x40020800: self.mux, 0x40008400: self.crs, INTERCONNECT: self.interconnect,
+            0x40020800: self.mux, 0x40008400: self.crs, INTERCONNECT: self.interconnect, RAM_ECC: self.ram_ecc,
         }  # fmt: skip
 
     def serving(self, name):

@@ -71,7 +71,12 @@ struct Program {
 
 impl Program {
     fn new(line: &Line) -> Self {
-        let connection = Connection::new(line.clone(), Waker::new(|| {}), Box::new(|| *b"step"));
+        let mut sessions = 0;
+        let nonces = move || {
+            sessions += 1;
+            [b's', b't', b'p', sessions]
+        };
+        let connection = Connection::new(line.clone(), Waker::new(|| {}), Box::new(nonces));
         let mut program = Self { connection, tickets: 0 };
         program.send(Request::AutoReconnect(false), Duration::ZERO);
         program.send(Request::Observe, Duration::ZERO);

@@ -6,7 +6,7 @@ use slipline_protocol::refusal::{Busy, Refusal};
 use slipline_protocol::units::SampleIndex;
 
 use super::Controller;
-use crate::mailbox::{Mailbox, Stop};
+use crate::mailbox::{Mailbox, Stop, View};
 use crate::ports::{FlashPages, System};
 
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
@@ -27,15 +27,24 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         if level == PinLevel::NoPin {
             return Err(Refusal::NotSupported);
         }
-        let view = mailbox.view();
-        self.refuse_unless_armed(view.armed && !is_on_bench, view.faults)?;
+        self.refuse_unless_unmuted(&mailbox.view(), mailbox)?;
+        let fall = if level == PinLevel::High { self.system.try_mute(trial) } else { None };
+        mailbox.disarm(Stop::Normal);
+        Ok(MutePin { fall, ..read })
+    }
+
+    /// Refuses unless the amplifier has been switched on and nothing sounds.
+    pub(super) fn refuse_unless_unmuted<M: RawMutex>(
+        &self,
+        view: &View,
+        mailbox: &Mailbox<M>,
+    ) -> Result<(), Refusal> {
+        self.refuse_unless_armed(view.armed && !mailbox.is_on_bench(), view.faults)?;
         // The amplifier is switched on at `ready_at`; nothing may begin to sound meanwhile.
         if view.next <= view.ready_at || !view.is_silent() || view.stopping || view.waits() {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
-        let fall = if level == PinLevel::High { self.system.try_mute(trial) } else { None };
-        mailbox.disarm(Stop::Normal);
-        Ok(MutePin { fall, ..read })
+        Ok(())
     }
 
     /// Stops the DAC's DMA, on the bench alone: there nothing moves the plate.

@@ -3,6 +3,7 @@
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
 use heapless::String;
+use slipline_protocol::board::OrderedFault;
 use slipline_protocol::event::{Fault, ResetCause};
 use slipline_protocol::limits::MAX_CRASH;
 
@@ -26,13 +27,21 @@ pub struct Boot {
     pub safe_mode: bool,
     /// How hot the coil may be.
     pub heat: Heat,
+    /// The ordered fault that ended the last run.
+    pub ordered: Option<OrderedFault>,
 }
 
 impl Boot {
     /// A start after power came on, with a coil that is known to be cold.
     #[must_use]
     pub const fn cold() -> Self {
-        Self { reset: ResetCause::PowerOn, crash: String::new(), safe_mode: false, heat: Heat::Cold }
+        Self {
+            reset: ResetCause::PowerOn,
+            crash: String::new(),
+            safe_mode: false,
+            heat: Heat::Cold,
+            ordered: None,
+        }
     }
 
     /// The fault that the reset itself is.
@@ -51,7 +60,8 @@ impl Boot {
 /// on. Write that back before anything that could crash.
 ///
 /// The handlers end with a software reset, so a record of a panic or a hard fault overrules that cause. Power-on
-/// clears the record, the reset pin clears the count: a person has acted.
+/// clears the record, the reset pin clears the count: a person has acted. A fault that was ordered does not count, if the reset is the one
+/// that it leads to.
 #[must_use]
 pub fn decide(hardware: ResetCause, kept: Option<CrashRecord>) -> (Boot, CrashRecord) {
     let kept = kept.unwrap_or_default();
@@ -61,15 +71,27 @@ pub fn decide(hardware: ResetCause, kept: Option<CrashRecord>) -> (Boot, CrashRe
         ResetCause::Panic | ResetCause::HardFault => (hardware, kept.message),
         other => (other, String::new()),
     };
+    let ordered = kept.ordered.filter(|&fault| reset == reset_by(fault));
     let resets = match reset {
+        _ if ordered.is_some() => kept.resets,
         ResetCause::PowerOn | ResetCause::Pin => 0,
         // A dip of the supply is not the program's fault.
         ResetCause::Software | ResetCause::BrownOut => kept.resets,
         ResetCause::Watchdog | ResetCause::Panic | ResetCause::HardFault => kept.resets.saturating_add(1),
     };
-    let boot = Boot { reset, crash: message, safe_mode: resets >= SAFE_MODE_RESETS, heat: Heat::AssumedHot };
+    let safe_mode = resets >= SAFE_MODE_RESETS;
+    let boot = Boot { reset, crash: message, safe_mode, heat: Heat::AssumedHot, ordered };
     // The cause has been reported: only a new crash writes one again.
-    (boot, CrashRecord { cause: ResetCause::PowerOn, resets, message: String::new() })
+    (boot, CrashRecord { resets, ..CrashRecord::default() })
+}
+
+/// The reset that an ordered fault leads to.
+#[must_use]
+pub const fn reset_by(fault: OrderedFault) -> ResetCause {
+    match fault {
+        OrderedFault::Hang | OrderedFault::MaskedInterrupts => ResetCause::Watchdog,
+        OrderedFault::StackOverflow => ResetCause::HardFault,
+    }
 }
 
 #[cfg(test)]
@@ -103,6 +125,30 @@ mod tests {
         }
         assert!(!decide(ResetCause::Watchdog, Some(kept.clone().stable())).0.safe_mode);
         assert!(!decide(ResetCause::Pin, Some(kept)).0.safe_mode);
+    }
+
+    #[test]
+    fn ordered_faults_are_reported_and_do_not_count_and_every_other_reset_does() {
+        let mut kept = CrashRecord { resets: 1, ..CrashRecord::default() };
+        for fault in [OrderedFault::Hang, OrderedFault::MaskedInterrupts, OrderedFault::StackOverflow] {
+            let (hardware, cause) = match reset_by(fault) {
+                ResetCause::Watchdog => (ResetCause::Watchdog, ResetCause::PowerOn),
+                crashed => (ResetCause::Software, crashed),
+            };
+            let ordered = CrashRecord { cause, ordered: Some(fault), ..kept.clone() };
+            // Another reset than that of the order came first.
+            let (boot, next) = decide(ResetCause::BrownOut, Some(ordered.clone()));
+            assert_eq!((boot.ordered, next.ordered), (None, None));
+            let panicked = CrashRecord { cause: ResetCause::Panic, ..ordered.clone() };
+            let (boot, next) = decide(ResetCause::Software, Some(panicked));
+            assert_eq!((boot.ordered, boot.reset, next.resets), (None, ResetCause::Panic, 2));
+            let (boot, next) = decide(hardware, Some(ordered));
+            assert_eq!((boot.ordered, boot.reset, next.resets), (Some(fault), reset_by(fault), 1));
+            assert!(boot.fault().is_some() && !boot.safe_mode && next.ordered.is_none());
+            kept = next;
+        }
+        let (boot, kept) = decide(ResetCause::Watchdog, Some(kept));
+        assert_eq!((boot.ordered, kept.resets), (None, 2), "one that nobody has ordered counts");
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! The record that the panic and fault handlers write for the next start, in RAM that a reset does not clear.
 //!
 //! ```text
-//! magic 4 | cause 1 | resets 1 | length 1 | zero 1 | message 96 | crc 4      (little-endian)
+//! magic 4 | cause 1 | resets 1 | length 1 | ordered 1 | message 96 | crc 4      (little-endian)
 //! ```
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
 use heapless::String;
+use slipline_protocol::board::OrderedFault;
 use slipline_protocol::event::ResetCause;
 use slipline_protocol::frame::CRC;
 use slipline_protocol::limits::MAX_CRASH;
@@ -24,6 +25,8 @@ pub struct CrashRecord {
     pub resets: u8,
     /// The panic's message, cut if it is too long; empty if there was no panic.
     pub message: String<MAX_CRASH>,
+    /// The fault that was ordered, and is about to end the run.
+    pub ordered: Option<OrderedFault>,
 }
 
 impl CrashRecord {
@@ -36,7 +39,7 @@ impl CrashRecord {
         let mut text = Cut(String::new());
         // A message that does not fit is cut: `Cut` never reports an error.
         let _ = core::fmt::write(&mut text, format_args!("{message}"));
-        Self { cause, resets, message: text.0 }
+        Self { cause, resets, message: text.0, ordered: None }
     }
 
     /// The record once the device has run long enough to count as sound.
@@ -49,10 +52,12 @@ impl CrashRecord {
     #[must_use]
     pub fn encode(&self) -> [u8; Self::BYTES] {
         let mut covered = [0; COVERED];
-        let [m0, m1, m2, m3, cause, resets, length, _, message @ ..] = &mut covered;
+        let [m0, m1, m2, m3, cause, resets, length, ordered, message @ ..] = &mut covered;
         [*m0, *m1, *m2, *m3] = MAGIC;
         *cause = self.cause as u8;
         *resets = self.resets;
+        let place = ORDERED.iter().position(|known| *known == self.ordered);
+        *ordered = place.and_then(|place| u8::try_from(place).ok()).unwrap_or(0);
         // At most 96.
         *length = u8::try_from(self.message.len()).unwrap_or(0);
         for (byte, &from) in message.iter_mut().zip(self.message.as_bytes()) {
@@ -73,12 +78,15 @@ impl CrashRecord {
         if CRC.checksum(covered) != u32::from_le_bytes(*crc) {
             return None;
         }
-        let (&[m0, m1, m2, m3, cause, resets, length, _], message) = covered.split_first_chunk::<HEADER>()?;
+        let (&[m0, m1, m2, m3, cause, resets, length, ordered], message) =
+            covered.split_first_chunk::<HEADER>()?;
         if [m0, m1, m2, m3] != MAGIC {
             return None;
         }
         let message = core::str::from_utf8(message.get(..usize::from(length))?).ok()?;
-        Some(Self { cause: cause_of(cause)?, resets, message: String::try_from(message).ok()? })
+        let message = String::try_from(message).ok()?;
+        let ordered = *ORDERED.get(usize::from(ordered))?;
+        Some(Self { cause: cause_of(cause)?, resets, message, ordered })
     }
 }
 
@@ -95,6 +103,10 @@ impl core::fmt::Write for Cut {
         Ok(())
     }
 }
+
+/// The ordered faults by their bytes: the first for none.
+const ORDERED: [Option<OrderedFault>; 4] =
+    [None, Some(OrderedFault::Hang), Some(OrderedFault::MaskedInterrupts), Some(OrderedFault::StackOverflow)];
 
 fn cause_of(byte: u8) -> Option<ResetCause> {
     const ALL: [ResetCause; 7] = [
@@ -113,6 +125,14 @@ fn cause_of(byte: u8) -> Option<ResetCause> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn an_ordered_fault_comes_back() {
+        for ordered in ORDERED {
+            let record = CrashRecord { ordered, ..CrashRecord::default() };
+            assert_eq!(CrashRecord::decode(&record.encode()), Some(record));
+        }
+    }
 
     proptest! {
         #[test]

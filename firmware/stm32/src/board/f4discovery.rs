@@ -240,6 +240,13 @@ pub(crate) fn chip() -> (u16, u16) {
     (identity.dev_id(), identity.rev_id())
 }
 
+/// The F407's RAM has no error correction.
+pub(crate) fn watch_ram() {}
+
+pub(crate) fn ram_errors() -> Option<u8> {
+    None
+}
+
 /// The buffered DAC is linear from 0.2 V to VDDA - 0.2 V (DS8626, DAC characteristics): 1.3 V of the half swing of 1.5 V.
 pub(crate) const LINEAR_PER_MILLE: u16 = 870;
 /// VREFINT_CAL, and the VDDA at which the factory measured it, in mV (DS8626, internal reference voltage calibration values).

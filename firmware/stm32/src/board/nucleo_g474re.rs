@@ -351,6 +351,13 @@ pub(crate) fn chip() -> (u16, u16) {
     (identity.dev_id() & 0xfff, identity.rev_id())
 }
 
+/// The G474's RAM has a parity, which is not watched.
+pub(crate) fn watch_ram() {}
+
+pub(crate) fn ram_errors() -> Option<u8> {
+    None
+}
+
 /// The buffered DAC is linear from 0.2 V to VREF+ - 0.2 V (DS12288, DAC characteristics): 1.45 V of the half swing of 1.65 V.
 pub(crate) const LINEAR_PER_MILLE: u16 = 880;
 

@@ -376,6 +376,30 @@ pub(crate) fn chip() -> (u16, u16) {
     (identity.dev_id(), identity.rev_id())
 }
 
+/// RAMECC1's monitors of the AXI SRAM and of the DTCM's two halves (RM0433, RAM ECC monitoring): configuration at 0x20 times the
+/// number, status behind it. The peripheral access crate lacks them.
+fn ram_monitors() -> impl Iterator<Item = (Reg<u32, RW>, Reg<u32, RW>)> {
+    const RAMECC1: usize = 0x5200_9000;
+    [1, 3, 4].into_iter().map(|number| {
+        let at = RAMECC1 + 0x20 * number;
+        // SAFETY: two registers of a peripheral that nothing else uses; they may be read and written at any time.
+        unsafe { (Reg::from_ptr(at as *mut u32), Reg::from_ptr((at + 4) as *mut u32)) }
+    })
+}
+
+/// RAMECC_MxCR.ECCELEN: errors are latched from now on. SEDCF, DEDF and DEBWDF are cleared by writing 0.
+pub(crate) fn watch_ram() {
+    for (configuration, status) in ram_monitors() {
+        configuration.write_value(1 << 5);
+        status.write_value(0);
+    }
+}
+
+/// SEDCF, DEDF and DEBWDF of these monitors since then.
+pub(crate) fn ram_errors() -> Option<u8> {
+    Some(ram_monitors().fold(0, |found, (_, status)| found | (status.read() & 0b111) as u8))
+}
+
 /// The buffered DAC is linear from 0.2 V to VDDA - 0.2 V (DS12110, DAC characteristics): 1.45 V of the half swing of 1.65 V.
 pub(crate) const LINEAR_PER_MILLE: u16 = 880;
 

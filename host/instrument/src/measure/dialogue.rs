@@ -48,6 +48,8 @@ pub(super) struct State {
     pub(super) is_armed: bool,
     /// Faults of the device do not end the procedure, which looks at them itself.
     pub(super) bears_faults: bool,
+    /// A lost device does not end the procedure, which has made it restart.
+    pub(super) bears_loss: bool,
     /// What a person is asked to do.
     pub(super) prompt: Option<Prompt>,
     /// The link's latest snapshot, of a procedure that looks at it, and the slowest answer in one of them.
@@ -136,6 +138,18 @@ impl Dialogue {
             }
         }
         Ok(())
+    }
+
+    /// From now on the device restarts because the procedure makes it: its loss ends nothing, and no code is replayed any more.
+    pub(crate) fn bear_loss(&self) {
+        let mut state = self.0.borrow_mut();
+        (state.bears_loss, state.codes) = (true, None);
+    }
+
+    /// The device has not come back: it gets no table back.
+    pub(crate) fn give_up(&self) {
+        let mut state = self.0.borrow_mut();
+        (state.own_table, state.is_armed) = (None, false);
     }
 
     /// Forgets the slowest answer so far.

@@ -12,12 +12,14 @@
 
 use super::answers::Warning;
 use slipline_plate::Complex64;
+use slipline_plate::Plate;
 use slipline_plate::calibrate::DriveLoad;
+use slipline_plate::limits;
 use slipline_plate::quantity::Range;
 use std::f64::consts::SQRT_2;
 
 /// Allowed bandwidths of amplifier and filter.
-pub const BANDWIDTH: Range = Range::new(10.0, 1e8, "Hz");
+pub const BANDWIDTH: Range = limits::BANDWIDTH;
 /// Error of the current that is not worth a word.
 const GREEN: f64 = 0.05;
 /// Images on each side of the tone that are summed; the rest is below 1/IMAGES of the first.
@@ -34,6 +36,12 @@ pub struct Bandwidths {
 }
 
 impl Bandwidths {
+    /// The same, with the plate file's bandwidth of the amplifier where none is stated.
+    #[must_use]
+    pub fn of_drive(self, plate: &Plate) -> Self {
+        Self { amplifier_hz: self.amplifier_hz.or(plate.spec().amplifier_bandwidth_hz), ..self }
+    }
+
     /// The response at a frequency, for e^(-j omega t).
     pub(crate) fn response(&self, frequency_hz: f64) -> Complex64 {
         let each = [self.amplifier_hz, self.filter_hz].into_iter().flatten();
@@ -51,7 +59,8 @@ impl Bandwidths {
     }
 
     /// What to warn of where the current of a load is measured up to this frequency.
-    pub(crate) fn warning(&self, load: &DriveLoad, highest_hz: f64, rate_hz: f64) -> Option<Warning> {
+    #[must_use]
+    pub fn warning(&self, load: &DriveLoad, highest_hz: f64, rate_hz: f64) -> Option<Warning> {
         match self.error(load, highest_hz, rate_hz) {
             None => matches!(load, DriveLoad::Piezo { .. }).then_some(Warning::UnknownImages),
             Some(share) => (share > GREEN).then_some(Warning::Images { share, frequency_hz: highest_hz }),

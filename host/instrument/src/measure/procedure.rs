@@ -203,8 +203,8 @@ impl<P: Procedure> Run<P> {
         if let (Some(MeasureError::Stopped), Some(fault)) = (&self.error, &fault) {
             self.error = Some(fault.clone());
         }
-        let trouble =
-            if snapshot.link.state == LinkState::Connected { fault } else { Some(MeasureError::Lost) };
+        let is_there = snapshot.link.state == LinkState::Connected || self.dialogue.state().bears_loss;
+        let trouble = if is_there { fault } else { Some(MeasureError::Lost) };
         if let Some(trouble) = trouble.filter(|_| self.stage == Stage::Running) {
             self.fail(trouble);
         }

@@ -1,6 +1,6 @@
 //! What a procedure asks a person at the board to do.
 
-/// What a person at the board is asked to do, within ten seconds.
+/// What a person at the board is asked to do, within ten seconds, or half a minute for the reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Prompt {
     /// Press the user button.
@@ -13,6 +13,8 @@ pub enum Prompt {
     OpenStopInput,
     /// Close it.
     CloseStopInput,
+    /// Press the reset button.
+    PressReset,
 }
 
 impl Prompt {
@@ -25,6 +27,7 @@ impl Prompt {
             Self::HoldButton => "Press the user button now and hold it.",
             Self::OpenStopInput => "Open the stop input now.",
             Self::CloseStopInput => "Close the stop input now.",
+            Self::PressReset => "The board is in its bootloader. Press its reset button now.",
         }
     }
 }

@@ -49,7 +49,9 @@ impl<'a, W: BlockingLink> Measurer<'a, W> {
             let lock_ins = inputs(client).lock_ins.into();
             Method::Steps(Plan::new(plate, &wanted, rate_hz, lock_ins)?)
         };
-        Ok(Self { client, table: Arc::clone(table), method, known: request.known })
+        let known =
+            request.known.map(|known| KnownDrive { bandwidths: known.bandwidths.of_drive(plate), ..known });
+        Ok(Self { client, table: Arc::clone(table), method, known })
     }
 
     /// The same device with one comb only, over the whole band, or with the same sweep: for repeated measurements.

@@ -9,6 +9,7 @@
 //! ```
 //! A shell reads its options and words a refusal with their names. What follows from the options is stated here.
 
+mod brown_out;
 mod calibrate;
 mod feeling;
 mod harmonics;
@@ -17,6 +18,7 @@ mod simulate;
 mod sweep;
 mod tones;
 
+pub use brown_out::BrownOutAnswer;
 pub use calibrate::{FeltEdgeError, FeltEdgeRequest, FeltEdgesRequest, measured};
 pub use feeling::NamedFeeling;
 pub use harmonics::{HarmonicAnswer, HarmonicsAnswer};

@@ -44,7 +44,7 @@ impl Course {
         self.dialogue.past(self.dialogue.now() + self.samples(MUTED_S)).await?;
         levels.push(self.mute_level_or_none().await?);
         let mute = self.mute(&levels);
-        let link = self.link(&link_before);
+        let link = StepResult::judged(step::LINK, self.link(&link_before), "The device answers in time.");
         let clocks = self.step(step::CLOCKS, self.clocks(since)).await?;
         let done = [clocks, supply, mute, link, amplifier];
         let skipped = "The amplifier is connected: this step belongs to the test without it.";

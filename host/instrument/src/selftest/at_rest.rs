@@ -131,6 +131,8 @@ impl Course {
             readings.push(reading(name, "chip", f64::from(analogue.chip)));
             readings.push(reading(name, "silicon revision", f64::from(analogue.revision)));
         }
+        let errors = analogue.ram_errors.map(|found| found.count_ones());
+        readings.extend(errors.map(|errors| reading(name, "kinds of RAM errors", f64::from(errors))));
         let reset = reset.map_or_else(String::new, |cause| format!(" The last reset: {cause:?}."));
         StepResult::judged(name, readings, format!("The reference is within its range.{reset}"))
     }
@@ -212,19 +214,16 @@ impl Course {
     }
 
     /// How the link has done since the test began.
-    pub(super) fn link(&self, before: &LinkRecord) -> StepResult {
+    pub(super) fn link(&self, before: &LinkRecord) -> Vec<Reading> {
         let name = step::LINK;
-        let Some(now) = self.dialogue.seen(LinkRecord::of) else {
-            return StepResult::skipped(name, "The link reports nothing.");
-        };
+        let now = self.link_record();
         // The slowest answer of the connection counts if it is one of the test.
         let longest = if now.worst > before.worst { now.worst } else { self.dialogue.slowest() };
-        let readings = vec![
+        vec![
             reading(name, "longest answer", longest.as_secs_f64()),
             reading(name, "damaged frames", f64::from(now.damaged.saturating_sub(before.damaged))),
             reading(name, "repeated commands", f64::from(now.repeats.saturating_sub(before.repeats))),
-        ];
-        StepResult::judged(name, readings, "The device answers in time.")
+        ]
     }
 }
 

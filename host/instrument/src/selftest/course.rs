@@ -179,6 +179,22 @@ impl Course {
         })
     }
 
+    /// As [`driven`](Self::driven), of a step in which the device restarts, and may be gone at its end.
+    pub(super) async fn restarting(
+        &self,
+        name: &str,
+        step: impl Future<Output = Result<StepResult, MeasureError>>,
+    ) -> Result<StepResult, MeasureError> {
+        let obstacle = self.obstacle.borrow().clone();
+        if let Some(obstacle) = obstacle {
+            return Ok(StepResult::skipped(name, obstacle));
+        }
+        match step.await {
+            Ok(done) if self.obstacle.borrow().is_some() => Ok(done),
+            done => self.step(name, async { done }).await,
+        }
+    }
+
     /// As [`step`](Self::step), of a step that drives; skipped after a fault.
     pub(super) async fn driven(
         &self,

@@ -194,6 +194,12 @@ pub const LIMITS: &[Limit] = &[
         "Look at the cable and at other programs on the port.",
     ),
     amber(step::LINK, "damaged frames", NONE, "Frames arrived damaged and were repeated: look at the cable."),
+    red(
+        step::LINK,
+        "reopenings without answer",
+        NONE,
+        "The device does not answer each time its port is opened: look at the cable and the computer's driver.",
+    ),
     red(step::STORE, "profiles that differ", NONE, "The flash does not keep what was written."),
     red(
         step::STORE,
@@ -229,6 +235,35 @@ pub const LIMITS: &[Limit] = &[
         "The stop input was not seen to close: look at its wires.",
     ),
     red(
+        step::BOOTLOADER,
+        "stays in the program",
+        NONE,
+        "The chip has started the program again in place of its bootloader: flash the board by a probe, or by its pin BOOT0.",
+    ),
+    red(
+        step::BOOTLOADER,
+        "not back in time",
+        NONE,
+        "The device did not answer after its reset: press reset again.",
+    ),
+    red(
+        step::BOOTLOADER,
+        "differences after it",
+        NONE,
+        "Another firmware, table or profile has answered after the bootloader: flash the board again, and store both again.",
+    ),
+    red(step::FAULTS, "faults that end otherwise", NONE, UNSAFE),
+    red(step::FAULTS, "faults without return", NONE, UNSAFE),
+    red(
+        step::FAULTS,
+        "safe mode after them",
+        NONE,
+        "Ordered faults must not count: look at the firmware's version.",
+    ),
+    red(step::FAULTS, "time to mute in a hang", between(0.0, 570.0), UNSAFE),
+    red(step::FAULTS, "time to mute with interrupts masked", between(0.0, 4.5), UNSAFE),
+    red(step::FAULTS, "time to mute by a stack overflow", between(0.0, 0.1), UNSAFE),
+    red(
         step::AMPLIFIER,
         "tone over noise",
         (Some(SHOWN_DB), None),
@@ -249,7 +284,7 @@ pub fn of(step: &str, quantity: &str) -> impl Iterator<Item = &'static Limit> {
 
 /// Numbers with limits that a step may have been carried out without: what a board does not report, or a short test or an answer
 /// before leaves out.
-const PERHAPS: [(&str, &str); 12] = [
+const PERHAPS: [(&str, &str); 13] = [
     (step::CLOCKS, "rate error"),
     (step::CLOCKS, "rate error in a short time"),
     (step::CLOCKS, "cycle error"),
@@ -258,6 +293,7 @@ const PERHAPS: [(&str, &str); 12] = [
     (step::MUTE, "resistor missing"),
     (step::MUTE, "pin high while muted"),
     (step::LOAD, "worst block"),
+    (step::LINK, "reopenings without answer"),
     (step::BUTTONS, "not pressed in time"),
     (step::BUTTONS, "not released in time"),
     (step::BUTTONS, "stop input not opened in time"),

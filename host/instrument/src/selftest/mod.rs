@@ -8,7 +8,8 @@
 //! - `request.rs`: the fitted wires, and the permitted steps
 //! - `procedure.rs`: the order of the steps; `course.rs`: what they share
 //! - `at_rest.rs`: clocks, supply, mute pin, link; `wire.rs`, `noise.rs`: by a wire from the DAC to the sensor's input;
-//!   `drives.rs`: load, codes, trigger; `person.rs`: button, stop input, flash; `amplifier.rs`: the amplifier, by a test of its own
+//!   `drives.rs`: load, codes, trigger; `person.rs`: button, stop input, flash; `restarts.rs`: bootloader, faults on purpose;
+//!   `amplifier.rs`: the amplifier, by a test of its own
 //! - `quantities.rs`: every number with its unit; `limits.rs`: every limit, and what to look at beyond it; `report.rs`,
 //!   `verdict.rs`: the results
 
@@ -23,6 +24,7 @@ mod procedure;
 mod quantities;
 mod report;
 mod request;
+mod restarts;
 mod verdict;
 mod wire;
 

@@ -23,7 +23,7 @@ impl Course {
     }
 
     /// Asks a person, and returns whether it is done in time.
-    async fn asked(
+    pub(super) async fn asked(
         &self,
         prompt: Prompt,
         is_done: impl Fn(&BoardReport) -> bool,

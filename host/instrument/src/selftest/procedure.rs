@@ -11,7 +11,7 @@ use slipline_link::{Request, Snapshot};
 
 /// The self-test of a connected device, which it disarms at its begin and leaves disarmed.
 ///
-/// The mute pin stays low except in the step that times it, and there only with
+/// The mute pin stays low except in the steps that time it and that make the device fail on purpose, and there only with
 /// [`is_amplifier_unplugged`](SelftestRequest::is_amplifier_unplugged); and in the step with the amplifier, only with
 /// [`is_amplifier_on`](SelftestRequest::is_amplifier_on).
 pub struct Selftesting {
@@ -57,6 +57,9 @@ impl Course {
     }
 
     async fn carry_out(self) -> Result<SelftestReport, MeasureError> {
+        // A device that does not come back from the last steps is reported, too.
+        let begun = self.dialogue.seen(|snapshot| report(snapshot, self.request)).flatten();
+        let begun = begun.ok_or(MeasureError::Lost)?;
         self.dialogue.disarm().await?;
         let (steps, codes_crc) = if self.request.is_amplifier_on {
             (self.with_amplifier().await?, None)
@@ -64,8 +67,7 @@ impl Course {
             self.without_amplifier().await?
         };
         self.mark(step::ALL.len());
-        let reported = self.dialogue.seen(|snapshot| report(snapshot, self.request, codes_crc, steps));
-        reported.flatten().ok_or(MeasureError::Lost)
+        Ok(SelftestReport { codes_crc, steps, ..begun })
     }
 
     /// The steps without an amplifier, and the CRC of the compared codes.
@@ -119,7 +121,7 @@ impl Course {
             StepResult::skipped(step::MUTE_TIME, PLUGGED)
         };
         // Before the flash is written, which takes up to five seconds.
-        let link = course.link(&link_before);
+        let mut link = course.link(&link_before);
         course.mark(11);
         let store = course.step(step::STORE, course.store(board.user_button)).await?;
         let buttons = course.step(step::BUTTONS, course.buttons(&board)).await?;
@@ -127,6 +129,22 @@ impl Course {
         let clocks = course.step(step::CLOCKS, course.clocks(since)).await?;
         // The samples stand still in it, so it would spoil the clocks.
         let stall = course.by_stall(&trigger).await?;
+        course.mark(14);
+        // From here on the link is lost and found again, and nothing before it depends on that.
+        link.extend(course.reopenings().await?);
+        let link = StepResult::judged(
+            step::LINK,
+            link,
+            "The device answers in time, and each time that its port is closed and opened again; the USB bus itself was not reset.",
+        );
+        let bootloader =
+            course.restarting(step::BOOTLOADER, course.rom_bootloader(board.user_button)).await?;
+        course.mark(15);
+        let faults = if course.request.is_amplifier_unplugged {
+            course.restarting(step::FAULTS, course.faults_on_purpose()).await?
+        } else {
+            StepResult::skipped(step::FAULTS, PLUGGED)
+        };
         let steps = vec![
             clocks,
             supply,
@@ -142,12 +160,12 @@ impl Course {
             store,
             stall,
             buttons,
-            StepResult::skipped(step::BOOTLOADER, "The ROM's answers are not looked at by this version."),
-            StepResult::skipped(step::FAULTS, "No message makes the device fail on purpose."),
+            bootloader,
+            faults,
             StepResult::skipped(step::AMPLIFIER, NO_AMPLIFIER),
             StepResult::skipped(
                 step::OTHERS,
-                "This version does not look at RAM ECC, bus resets, or the lamp.",
+                "This version does not look at what the ROM answers, at resets of the USB bus, or at the lamp.",
             ),
         ];
         Ok((steps, codes_crc))
@@ -212,13 +230,8 @@ impl Course {
     }
 }
 
-/// The report of the connected device; `None` without one.
-fn report(
-    snapshot: &Snapshot,
-    request: SelftestRequest,
-    codes_crc: Option<String>,
-    steps: Vec<StepResult>,
-) -> Option<SelftestReport> {
+/// The report of the connected device, without its steps; `None` without one.
+fn report(snapshot: &Snapshot, request: SelftestRequest) -> Option<SelftestReport> {
     let identity = snapshot.device.identity.as_ref()?;
     let (major, minor, patch) = identity.firmware;
     Some(SelftestReport {
@@ -229,7 +242,7 @@ fn report(
         simulated: identity.simulated,
         wires: request.wires().map(|wire| wire.name().to_owned()).collect(),
         short: request.is_short,
-        codes_crc,
-        steps,
+        codes_crc: None,
+        steps: Vec::new(),
     })
 }

@@ -4,6 +4,7 @@ use crate::pluggable_port::read_from;
 use slipline_instrument::measure::{MeasureError, Prompt, Run};
 use slipline_instrument::selftest::{SelftestReport, SelftestRequest, Selftesting, Verdict, step};
 use slipline_link::connection::Connection;
+use slipline_link::protocol::event::ResetCause;
 use slipline_link::protocol::version::Minor;
 use slipline_link::protocol::{Decoder, Event, Header};
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
@@ -41,6 +42,9 @@ struct Line(Arc<Mutex<Board>>);
 impl Transport for Line {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let Board { device, is_plugged, alter, decoder, .. } = &mut *self.0.lock().unwrap();
+        if device.is_in_bootloader() {
+            return Err(io::ErrorKind::WouldBlock.into());
+        }
         read_from(device, *is_plugged, buffer, |bytes| match alter {
             Some(alter) => altered(&bytes, decoder, alter),
             None => bytes,
@@ -52,7 +56,9 @@ impl Transport for Line {
         if !board.is_plugged {
             return Err(io::ErrorKind::BrokenPipe.into());
         }
-        board.device.feed(bytes);
+        if !board.device.is_in_bootloader() {
+            board.device.feed(bytes);
+        }
         Ok(bytes.len())
     }
 }
@@ -118,7 +124,12 @@ impl Desk {
     }
 
     fn connection(line: &Line, programs: u8) -> Connection<Line> {
-        Connection::new(line.clone(), Waker::new(|| {}), Box::new(move || [b'd', b'e', b'k', programs]))
+        let mut sessions = 0;
+        let nonces = move || {
+            sessions += 1;
+            [b'd', b'k', programs, sessions]
+        };
+        Connection::new(line.clone(), Waker::new(|| {}), Box::new(nonces))
     }
 
     fn connect(&mut self) {
@@ -188,9 +199,9 @@ impl Desk {
         self.line.0.lock().unwrap().device.is_muted()
     }
 
-    /// The device's time, seconds.
+    /// The device's time, seconds, which goes on while it restarts.
     pub(crate) fn time_s(&self) -> f64 {
-        self.line.0.lock().unwrap().device.now() as f64 / 400e3
+        self.now.as_secs_f64() * self.clock
     }
 
     /// Runs a test to its end, or for this number of looks; returns whether it has ended. `each` is called at each look.
@@ -208,7 +219,11 @@ impl Desk {
             each(look, run);
             let holds = matches!(run.prompt(), Some(Prompt::PressButton | Prompt::HoldButton));
             if self.obeys && run.prompt().is_some() {
-                self.line.0.lock().unwrap().device.press_button(holds);
+                let device = &mut self.line.0.lock().unwrap().device;
+                device.press_button(holds);
+                if run.prompt() == Some(Prompt::PressReset) && device.is_in_bootloader() {
+                    device.restart(ResetCause::Pin);
+                }
             }
             self.pass();
         }
@@ -287,8 +302,15 @@ pub(crate) fn everything() -> SelftestRequest {
     }
 }
 
-/// The steps that no message of today can show.
-const NEVER: [&str; 3] = [step::BOOTLOADER, step::FAULTS, step::OTHERS];
+/// As [`everything`], in full: with bootloader and faults on purpose, too.
+pub(crate) fn in_full() -> SelftestRequest {
+    SelftestRequest { is_short: false, ..everything() }
+}
+
+/// The steps that no message of today can show, or that the test of the amplifier alone carries out.
+const NEVER: [&str; 2] = [step::OTHERS, step::AMPLIFIER];
+/// What must take three seconds leaves these out.
+const LONG: [&str; 2] = [step::BOOTLOADER, step::FAULTS];
 
 /// A board without a fault, with both wires.
 pub(crate) fn good() -> SimulatedDevice {
@@ -300,10 +322,11 @@ pub(crate) fn named(report: &SelftestReport, verdict: Verdict) -> Vec<&str> {
     report.named(verdict).collect()
 }
 
-/// The report with its red and skipped steps as expected, and no other that is not green but the amplifier's, which is tested by itself.
+/// The report with its red and skipped steps as expected, and no other that is not green but those that are never shown by it.
 pub(crate) fn expect(report: &SelftestReport, red: &[&str], skipped: &[&str]) {
     assert_eq!(named(report, Verdict::Red), red, "{report:#?}");
-    let mut expected: Vec<&str> = skipped.iter().chain(&NEVER).chain([&step::AMPLIFIER]).copied().collect();
+    let long: &[&str] = if report.short { &LONG } else { &[] };
+    let mut expected: Vec<&str> = skipped.iter().chain(&NEVER).chain(long).copied().collect();
     expected.sort_by_key(|name| step::ALL.iter().position(|step| step == name));
     assert_eq!(named(report, Verdict::Skipped), expected, "{report:#?}");
     assert_eq!(named(report, Verdict::Amber), [""; 0], "{report:#?}");

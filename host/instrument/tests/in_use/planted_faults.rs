@@ -1,11 +1,11 @@
 //! Planted faults: each is caught by its own step of the self-test, and no other verdict is wrong.
 
-use crate::desk::{Alter, Desk, FaultyWire, everything, expect, good, named, wired};
+use crate::desk::{Alter, Desk, FaultyWire, everything, expect, good, in_full, named, wired};
 use slipline_instrument::selftest::{SelftestReport, SelftestRequest, StepResult, Verdict, step};
 use slipline_link::Request;
 use slipline_link::protocol::Event;
-use slipline_link::protocol::board::{BoardReport, ClockReport, UsbFrame};
-use slipline_link::protocol::event::TriggerReport;
+use slipline_link::protocol::board::{BoardReport, ClockReport, FaultTrial, UsbFrame};
+use slipline_link::protocol::event::{ResetCause, TriggerReport};
 use slipline_link::simulator::{MuteFault, Options, SimulatedDevice};
 
 /// The steps by drives.
@@ -233,6 +233,30 @@ fn a_boards_own_clocks_are_compared_with_its_samples_and_with_the_usb() {
     assert_eq!(clocks(&tested(1.0002, 1.0, 30_000)).verdict, Verdict::Red);
     // 53 760 cycles are the time of a block.
     assert_eq!(named(&tested(1.0, 1.0, 50_000), Verdict::Red), [step::LOAD]);
+}
+
+#[test]
+fn faults_of_what_restarts_the_device_are_caught_by_their_own_steps() {
+    let mut stuck = Desk::new(with(|options| options.mute_fault = Some(MuteFault::StuckHigh)), None);
+    let report = stuck.test(in_full()).unwrap();
+    expect(&report, &[step::MUTE, step::MUTE_TIME, step::FAULTS], &[]);
+    let faults = report.steps.iter().find(|it| it.name == step::FAULTS).unwrap();
+    assert!(faults.sentence.contains("Time to mute with interrupts masked is 3"), "{faults:?}");
+    // Another firmware answers after the bootloader.
+    let flashed: Alter = Box::new(|event| match event {
+        Event::Hello(mut identity) if identity.reset == ResetCause::Pin => {
+            identity.build = "another".try_into().unwrap();
+            Event::Hello(identity)
+        }
+        event => event,
+    });
+    expect(&Desk::new(good(), Some(flashed)).test(in_full()).unwrap(), &[step::BOOTLOADER], &[]);
+    // The record of the ordered fault is lost.
+    let forgets: Alter = Box::new(|event| match event {
+        Event::FaultTrial(trial) => Event::FaultTrial(FaultTrial { last: None, ..trial }),
+        event => event,
+    });
+    expect(&Desk::new(good(), Some(forgets)).test(in_full()).unwrap(), &[step::FAULTS], &[]);
 }
 
 /// The step with an amplifier, of a device with this fault and a sensor that receives the amplifier; and the blocks with the amplifier on.

@@ -1,12 +1,12 @@
 //! The self-test on the simulated device: in full, in short, without wires, and interrupted. Planted faults: `planted_faults.rs`.
 
-use crate::desk::{Desk, everything, expect, good, named};
+use crate::desk::{Desk, everything, expect, good, in_full, named};
 use crate::session::Session;
 use slipline_instrument::MeasureIntent;
 use slipline_instrument::measure::{MeasureError, Run};
 use slipline_instrument::selftest::{LIMITS, SelftestRequest, Selftesting, Verdict, Wire, is_step, step};
 use slipline_link::Request;
-use slipline_link::protocol::event::State;
+use slipline_link::protocol::event::{ResetCause, State};
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_plate::truth::Random;
 
@@ -14,18 +14,14 @@ use slipline_plate::truth::Random;
 fn a_good_board_passes_in_full_with_both_wires_and_the_mute_pin_stays_low() {
     let mut desk = Desk::new(good(), None);
     let began = desk.time_s();
-    let request = SelftestRequest { is_short: false, is_amplifier_unplugged: false, ..everything() };
+    let request = SelftestRequest { is_amplifier_unplugged: false, ..in_full() };
     let report = desk.test(request).unwrap();
-    expect(&report, &[], &[step::MUTE_TIME]);
+    expect(&report, &[], &[step::MUTE_TIME, step::FAULTS]);
     assert_eq!(desk.unmuted(), 0, "a step that does not ask has unmuted the amplifier");
     let took_s = desk.time_s() - began;
     assert!(took_s < 180.0, "{took_s}");
     assert!(report.line().starts_with("SELFTEST PASS unit=73696d756c617465642d3030 build=slipline_"));
-    assert!(
-        report.line().ends_with(" skipped=mute_time,bootloader,faults,amplifier,others"),
-        "{}",
-        report.line()
-    );
+    assert!(report.line().ends_with(" skipped=mute_time,faults,amplifier,others"), "{}", report.line());
     assert!(report.simulated && report.board == "simulated" && report.codes_crc.is_some());
     let names: Vec<&str> = report.steps.iter().map(|step| step.name.as_str()).collect();
     assert_eq!(names, step::ALL);
@@ -41,6 +37,44 @@ fn a_short_test_takes_three_seconds_and_gives_the_same_verdicts() {
     let took_s = desk.time_s() - began;
     assert!(took_s < 3.0, "{took_s}");
     assert!(desk.is_muted() && desk.unmuted() > 0, "the mute pin is timed where it may be high");
+}
+
+#[test]
+fn a_full_test_with_the_amplifier_unplugged_makes_the_device_fail_and_finds_it_again() {
+    let mut desk = Desk::new(good(), None);
+    let report = desk.test(in_full()).unwrap();
+    expect(&report, &[], &[]);
+    assert!(desk.time_s() < 180.0, "{}", desk.time_s());
+    let readings = |name| report.steps.iter().find(|step| step.name == name).unwrap().readings.iter();
+    let shown: Vec<String> =
+        readings(step::FAULTS).map(|it| format!("{}: {}", it.quantity, it.shown())).collect();
+    let times = &shown[3..];
+    assert_eq!(times.len(), 3, "{shown:?}");
+    assert_eq!(
+        times[1..],
+        ["time to mute with interrupts masked: 4 ms", "time to mute by a stack overflow: 0 ms"]
+    );
+    let hang = readings(step::FAULTS).find(|it| it.quantity == "time to mute in a hang").unwrap().value;
+    // The supervisor feeds the watchdog at most 100 ms later.
+    assert!((200.0..410.0).contains(&hang), "{hang}");
+    let reopened = readings(step::LINK).find(|it| it.quantity == "reopenings").unwrap();
+    assert_eq!(reopened.value, 20.0);
+    // Three resets by faults that were not ordered would be safe mode.
+    let snapshot = desk.snapshot();
+    assert_eq!(snapshot.drive.status.unwrap().state, State::Idle);
+    assert_eq!(snapshot.device.identity.unwrap().reset, ResetCause::HardFault);
+    assert!(desk.is_muted());
+}
+
+#[test]
+fn a_device_that_nobody_resets_out_of_its_bootloader_is_reported_and_ends_the_test() {
+    let mut desk = Desk::new(good(), None);
+    desk.obeys = false;
+    let report = desk.test(in_full()).unwrap();
+    expect(&report, &[step::BUTTONS, step::BOOTLOADER], &[step::STORE, step::FAULTS]);
+    let bootloader = report.steps.iter().find(|it| it.name == step::BOOTLOADER).unwrap();
+    assert!(bootloader.sentence.contains("press reset again"), "{bootloader:?}");
+    assert!(!desk.snapshot().is_connected() && desk.is_muted());
 }
 
 #[test]

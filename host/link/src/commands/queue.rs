@@ -123,6 +123,8 @@ impl CommandQueue {
             Request::ReadClock => Job::Send(Command::Clock),
             Request::Stall => Job::Send(Command::Stall),
             Request::BrownOut(order) => Job::Send(Command::BrownOut(order)),
+            Request::FaultToken => Job::Send(Command::FaultToken),
+            Request::FaultOrder(order) => Job::Send(Command::FaultOrder(order)),
             Request::Disarm => {
                 self.overtake(recorder, |job| job.yields_to(&Command::Disarm));
                 Job::Send(Command::Disarm)
@@ -149,6 +151,7 @@ impl CommandQueue {
             | Request::Disconnect
             | Request::AutoReconnect(_)
             | Request::Observe
+            | Request::Await(_)
             | Request::Note(..) => return,
         };
         self.tasks.push_back(Task::new(Some(ticket), job));

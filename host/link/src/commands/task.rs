@@ -55,7 +55,7 @@ impl Job {
                 | Self::Hold(_)
                 | Self::Send(Command::Drive(_) | Command::Chord(_) | Command::Comb(_) | Command::Hold(_))
         );
-        sounds || arms && matches!(stop, Command::EmergencyStop)
+        sounds || fails || arms && matches!(stop, Command::EmergencyStop)
     }
 }
 

@@ -217,7 +217,8 @@ impl Uploads {
                 | Event::Listened(_)
                 | Event::Captured(_)
                 | Event::Held(_)
-                | Event::BootloaderToken(_),
+                | Event::BootloaderToken(_)
+                | Event::FaultTrial(_),
                 _,
             ) => {
                 self.fail(Refusal::UnexpectedReply, recorder);

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Wake, Waker};
 
 use super::inputs::{Inputs, SimulatedInputs, Wires};
-use super::peripherals::{MemoryFlash, MuteFault, Peripherals};
+use super::peripherals::{MemoryFlash, MuteFault, Peripherals, STAYS_ON_US};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::BLOCK;
 use slipline_app::dds::bank::code::MID_SCALE;
@@ -27,7 +27,7 @@ use slipline_app::safety::boot::{self, Boot};
 use slipline_app::safety::thermal::Heat;
 use slipline_app::timing::TICK_BLOCKS;
 use slipline_app::{CrashRecord, Device, Link, Renderer, Supervisor, Timing, release};
-use slipline_protocol::board::{Analogue, SampleClock};
+use slipline_protocol::board::{Analogue, FaultEnd, OrderedFault, SampleClock};
 use slipline_protocol::event::ResetCause;
 use slipline_protocol::units::SampleIndex;
 
@@ -138,6 +138,8 @@ pub struct SimulatedDevice {
     link: Task,
     renderer: Task,
     link_frozen: bool,
+    /// The ordered fault that is under way, and when it began.
+    failing: Option<(OrderedFault, SampleIndex)>,
     woken: Arc<Woken>,
     waker: Waker,
     kept: CrashRecord,
@@ -224,6 +226,7 @@ impl SimulatedDevice {
                 renderer.run(&renderer_mailbox, ports, &mut listener).await;
             }),
             link_frozen: false,
+            failing: None,
             waker: woken.clone().into(),
             woken,
             kept,
@@ -276,7 +279,9 @@ impl SimulatedDevice {
                 state.begin_block();
                 state.room = true;
             }
-            poll(&mut self.renderer, &self.waker);
+            if !self.masks_interrupts() {
+                poll(&mut self.renderer, &self.waker);
+            }
             // The pin keeps the state set for this block until the next one is rendered.
             let muted = self.is_muted();
             let (sent, begins) = {
@@ -300,14 +305,49 @@ impl SimulatedDevice {
             self.now = self.now.saturating_add(BLOCK as u64);
             self.poll_link();
             self.supervise();
+            self.fail();
             if self.peripherals.lock().restarts {
                 self.restart(ResetCause::Software);
             }
         }
     }
 
+    /// Whether an ordered fault keeps the interrupts masked.
+    const fn masks_interrupts(&self) -> bool {
+        matches!(self.failing, Some((OrderedFault::MaskedInterrupts, _)))
+    }
+
+    /// What an ordered fault makes of the device: its end by the watchdog, or by the processor's fault.
+    fn fail(&mut self) {
+        let ordered = self.peripherals.lock().failing;
+        let Some((fault, since)) = self.failing.or(ordered.map(|fault| (fault, self.now))) else { return };
+        self.failing = Some((fault, since));
+        let failed_us = ((self.now - since) * 1_000_000 / u64::from(self.options.sample_rate_hz)) as u32;
+        let is_lapsed = fault == OrderedFault::MaskedInterrupts && failed_us >= STAYS_ON_US;
+        if is_lapsed || fault == OrderedFault::StackOverflow {
+            self.peripherals.lock().mute();
+        }
+        if fault != OrderedFault::StackOverflow && !self.is_watchdog_starved() {
+            return;
+        }
+        let is_low = self.peripherals.lock().muted;
+        let muted_after_us = match fault {
+            OrderedFault::MaskedInterrupts if is_low => STAYS_ON_US,
+            _ => failed_us,
+        };
+        let (cause, record) = match boot::reset_by(fault) {
+            cause @ (ResetCause::HardFault | ResetCause::Panic) => {
+                (ResetCause::Software, CrashRecord::crashed(cause, self.kept.resets, &"stack overflow"))
+            }
+            cause => (cause, self.kept.clone()),
+        };
+        self.kept = CrashRecord { ordered: Some(fault), ..record };
+        self.restart(cause);
+        self.peripherals.lock().fault_end = Some(FaultEnd { fault, muted_after_us, by_reset: !is_low });
+    }
+
     fn poll_link(&mut self) {
-        if self.link_frozen {
+        if self.link_frozen || self.failing.is_some() {
             return;
         }
         // After a stop the link lets the renderer run.

@@ -16,15 +16,15 @@ use slipline_app::ports::{
 use slipline_app::safety::fade::fade;
 use slipline_app::store::SLOT_BYTES;
 use slipline_protocol::board::{
-    Analogue, BoardReport, BrownOut, MuteFall, MuteResistor, MuteTrial, PinLevel, SampleClock, StopInput,
-    UserButton,
+    Analogue, BoardReport, BrownOut, FaultEnd, MuteFall, MuteResistor, MuteTrial, OrderedFault, PinLevel,
+    SampleClock, StopInput, UserButton,
 };
 
 /// Erase cycles of each slot, as guaranteed by the data sheets of the boards' chips.
 const ENDURANCE: u32 = 10_000;
 
 /// Time after which a board's mute timer takes the pin low by itself, in us.
-const STAYS_ON_US: u32 = 4000;
+pub(super) const STAYS_ON_US: u32 = 4000;
 
 /// The slots of flash in memory; erased bytes are `0xff`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -98,6 +98,10 @@ pub(super) struct PeripheralState {
     on_bench: bool,
     pub(super) analogue: Analogue,
     pub(super) in_bootloader: bool,
+    /// The ordered fault that is under way.
+    pub(super) failing: Option<OrderedFault>,
+    /// How the ordered fault ended that has ended the last run.
+    pub(super) fault_end: Option<FaultEnd>,
 }
 
 /// A block that the DAC has accepted and does not play yet.
@@ -448,6 +452,14 @@ impl System for Peripherals {
 
     fn restart(&mut self) {
         self.lock().restarts = true;
+    }
+
+    fn fail(&mut self, fault: OrderedFault) {
+        self.lock().failing = Some(fault);
+    }
+
+    fn fault_end(&self) -> Option<FaultEnd> {
+        self.lock().fault_end
     }
 
     fn enter_bootloader(&mut self) {

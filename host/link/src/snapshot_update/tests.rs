@@ -15,7 +15,7 @@ use crate::simulator::loopback::Loopback;
 use crate::sounding::Sounding;
 use crate::trace::TracedMessage;
 use serde::de::DeserializeOwned;
-use slipline_protocol::board::BrownOutOrder;
+use slipline_protocol::board::{BrownOutOrder, FaultOrder};
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::version::Compatibility;
 use slipline_protocol::{Command, refusal};
@@ -78,6 +78,9 @@ fn every_request_arrives_as_it_was_sent() {
         Request::Bootloader,
         Request::Stall,
         Request::BrownOut(BrownOutOrder { is_written: true }),
+        Request::FaultToken,
+        Request::FaultOrder(FaultOrder { token: 7, ..FaultOrder::default() }),
+        Request::Await(Duration::from_secs(1)),
         Request::Refresh,
         Request::AutoReconnect(true),
         Request::Observe,

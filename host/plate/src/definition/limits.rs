@@ -60,6 +60,8 @@ pub(crate) const CURVE_FREQUENCY: Range = Range::new(0.1, 1e7, "Hz");
 pub(crate) const GAIN: Range = Range::new(-200.0, 200.0, "dB");
 /// Level of a drive's harmonic over its fundamental.
 pub(crate) const HARMONIC: Range = Range::new(-200.0, 0.0, "dB");
+/// Bandwidth of an amplifier, or of a filter beside it.
+pub const BANDWIDTH: Range = Range::new(10.0, 1e8, "Hz");
 /// Level of the tone at which harmonics were measured.
 pub const HARMONIC_LEVEL: Range = Range::new(1e-3, 1.0, "");
 /// Phase of such a point.

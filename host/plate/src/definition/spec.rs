@@ -64,6 +64,9 @@ pub struct PlateSpec {
     pub actuator: Option<Actuator>,
     /// The harmonics that the drive adds to a tone; `None` if they are not known. They change neither table nor response.
     pub harmonics: Option<Harmonics>,
+    /// Bandwidth of the amplifier, a low-pass of second order, Hz (10 to 1e8); `None` if it is not known. It changes neither table nor
+    /// response: it bounds the error of a measured current.
+    pub amplifier_bandwidth_hz: Option<f64>,
     /// Displacement of the drive at DAC full scale, metres (1e-9 to 0.1). Illustrative until you have measured it.
     pub full_scale_m: f64,
     /// Turning point nearest to the drive that a user can choose, metres (0.001 L to 0.999 L).
@@ -100,6 +103,7 @@ impl PlateSpec {
             drive_end: DriveEnd::Displacement,
             actuator: None,
             harmonics: None,
+            amplifier_bandwidth_hz: None,
             full_scale_m: 0.0,
             span_start_m: 0.0,
             span_end_m: 0.0,

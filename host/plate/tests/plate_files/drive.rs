@@ -199,6 +199,31 @@ fn a_measured_actuator_is_read_in_place_of_a_resonance() {
 }
 
 #[test]
+fn the_bandwidth_of_the_amplifier_is_read_with_or_without_a_response_and_refused_by_field_and_range() {
+    let with = |fields: &str| Plate::from_toml(&format!("{GOOD}[actuator]\n{fields}"));
+    let stated = "amplifier_bandwidth_hz = 120000\n";
+    let good = Plate::from_toml(GOOD).expect("valid");
+    assert_eq!(good.spec().amplifier_bandwidth_hz, None);
+    let alone = with(stated).expect("a bandwidth alone");
+    assert!(alone.spec().actuator.is_none() && alone.spec().harmonics.is_none());
+    assert_eq!(DriveTable::build(&alone, 400e3, 17), DriveTable::build(&good, 400e3, 17));
+    let whole = with(&format!("resonance_hz = 40\nquality = 2\n{stated}")).expect("beside a response");
+    assert!(whole.spec().actuator.is_some());
+    for plate in [&alone, &whole] {
+        assert_eq!(plate.spec().amplifier_bandwidth_hz, Some(120e3));
+        assert_eq!(Plate::from_toml(&plate.to_toml()).as_ref(), Ok(plate), "its own text");
+    }
+    for (fields, wanted) in [
+        ("amplifier_bandwidth_hz = 9\n", "actuator.amplifier_bandwidth_hz = 9: must be 10 to 1"),
+        ("amplifier_bandwidth_hz = nan\n", "actuator.amplifier_bandwidth_hz = nan: must be 10 to 1"),
+        ("quality = 2\namplifier_bandwidth_hz = 100\n", "actuator.resonance_hz is missing"),
+    ] {
+        let found = with(fields).expect_err(fields).to_string();
+        assert!(found.contains(wanted), "{fields}: {found}");
+    }
+}
+
+#[test]
 fn harmonics_are_read_with_or_without_a_response_and_refused_by_field_and_range() {
     let with = |fields: &str| Plate::from_toml(&format!("{GOOD}[actuator]\n{fields}"));
     let two = "harmonic_level = 0.8\nharmonic_2_points = [[50, -40, 0], [500, -43, 30]]\n";

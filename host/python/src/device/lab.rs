@@ -5,13 +5,13 @@ use super::{Device, Loaded, lock, may_be_armed};
 use crate::arguments::optional;
 use crate::error::Failure;
 use crate::plate::Plate as PyPlate;
-use crate::result::kind::{Profile, Selftest, Sweep, Trim};
+use crate::result::kind::{BrownOut, Profile, Selftest, Sweep, Trim};
 use crate::result::{Answer, fields};
 use pyo3::prelude::*;
 use slipline_instrument::measure::{PlayedSweep, Playing};
 use slipline_instrument::native::{Client, InterruptibleLink, TRIM_S, Trimming};
 use slipline_instrument::profile_file;
-use slipline_instrument::requests::{Frequencies, SweepAnswer};
+use slipline_instrument::requests::{BrownOutAnswer, Frequencies, SweepAnswer};
 use slipline_instrument::selftest::SelftestRequest;
 use slipline_link::protocol::profile::ActuatorProfile;
 use slipline_link::protocol::version::Compatibility;
@@ -89,6 +89,21 @@ impl Device {
             Ok((fields(&report), report.passed()))
         })?;
         Answer::of(py, found)?.with(py, "passed", passed)
+    }
+
+    /// The level of the board's brown-out reset, which the board writes first if that is asked.
+    pub(super) fn brown_out_of(&self, py: Python<'_>, is_set: bool) -> PyResult<Answer<BrownOut>> {
+        let found = self.call(py, move |client| {
+            let mut level = client.brown_out_level()?;
+            if is_set && level.level < level.needed {
+                client.disarm()?;
+                let port = client.snapshot().link.port.clone();
+                let port = port.ok_or_else(|| Failure::refused("the device is not connected"))?;
+                level = client.raise_brown_out_level(&port)?;
+            }
+            Ok(fields(&BrownOutAnswer::of(&level)))
+        })?;
+        Answer::of(py, found)
     }
 
     /// Writes the profile, or erases it, and returns what the device has then.

@@ -11,7 +11,7 @@ use crate::coroutine::{Coroutine, Rest, StatusIterator};
 use crate::error::Failure;
 use crate::measurement::Measurement;
 use crate::plate::{Plate as PyPlate, check_length};
-use crate::result::kind::{Drive, Harmonics, Profile, Selftest, Status, Sweep, Trim, Verification};
+use crate::result::kind::{BrownOut, Drive, Harmonics, Profile, Selftest, Status, Sweep, Trim, Verification};
 use crate::result::{Answer, ResultArgument, fields};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
@@ -387,6 +387,21 @@ impl Device {
         self.sweep_plate(py, path, frequencies, duration_s)
     }
 
+    /// The level of the board's brown-out reset, as ``slipline board brown-out``; with ``set``, the board writes the level that it needs
+    /// into its chip's option bytes, once, and restarts: press its user button and hold it meanwhile.
+    ///
+    /// If the power fails meanwhile some chips erase their program, so ``set`` needs ``power_is_safe``. The result has ``written``, and
+    /// the level as it was read back after the restart. Raises ``Refused`` if the button is not held.
+    #[pyo3(signature = (*, set=false, power_is_safe=false))]
+    fn brown_out(&self, py: Python<'_>, set: bool, power_is_safe: bool) -> PyResult<Answer<BrownOut>> {
+        if set && !power_is_safe {
+            let text =
+                "brown_out(set=True) asks whether the board's power is safe: add power_is_safe=True if it is";
+            return Err(Failure::refused(text).into());
+        }
+        self.brown_out_of(py, set)
+    }
+
     /// The profile of the board's actuator, as ``slipline profile``: the limits that the device itself keeps, for every program.
     /// ``profile`` of the result is ``None`` where it keeps none.
     fn profile(&self, py: Python<'_>) -> PyResult<Answer<Profile>> {
@@ -430,8 +445,9 @@ impl Device {
     /// Tests the board by itself, as ``slipline selftest``, with its amplifier muted, and leaves it disarmed.
     ///
     /// ``sensor_wire``: a wire leads from the DAC's pin to the sensor's; ``trigger_wire``: one leads from the trigger output to the
-    /// trigger input. ``amplifier_unplugged`` permits the step that takes the mute pin high, and ``short`` takes three seconds. The
-    /// result has ``passed`` and ``steps``, each with ``verdict``: a step without its wire is ``"skipped"``.
+    /// trigger input. ``amplifier_unplugged`` permits the steps that take the mute pin high, to time it and to make the board fail on
+    /// purpose, and ``short`` takes three seconds, without the latter. The result has ``passed`` and ``steps``, each with ``verdict``: a
+    /// step without its wire is ``"skipped"``.
     ///
     /// ``amplifier`` tests the amplifier instead, connected and switched on, by tones at -40 dB with it muted and then on: do this once
     /// all else has passed. The simulated device has one with ``sensor_m`` of :func:`slipline.connect`.

@@ -9,7 +9,7 @@ use crate::listen::{Captured, Listened};
 use crate::recorder::Recorder;
 use crate::request::{Outcome, Request};
 use crate::table::DeviceTable;
-use slipline_protocol::board::{BrownOutOrder, MuteStep};
+use slipline_protocol::board::{BrownOutOrder, FaultOrder, MuteStep};
 use slipline_protocol::command::{
     Apply, ArmLease, Chord, Comb, DigestWindow, Drive, Hello, KeepAlive, ProfileSetting, TableChunk,
     TableHeader, TravelSetting,
@@ -138,6 +138,8 @@ fn commands() -> Vec<(Command, [Fate; 3])> {
         Command::Forget = Command::Forget, Kept, Kept, Kept;
         Command::BootloaderToken = Command::BootloaderToken, Kept, Kept, Kept;
         Command::BootloaderEnter(_) = Command::BootloaderEnter(0), Kept, Kept, Kept;
+        Command::FaultToken = Command::FaultToken, Kept, Kept, Kept;
+        Command::FaultOrder(_) = Command::FaultOrder(FaultOrder::default()), Dropped, Dropped, Dropped;
         Command::Inputs = Command::Inputs, Kept, Kept, Kept;
         Command::Listen(_) = Command::Listen(listen), Kept, Kept, Kept;
         Command::ListenRead(_) = Command::ListenRead(part), Kept, Kept, Kept;

@@ -238,12 +238,16 @@ pub(super) const ACTUATOR: Section = Section {
     kinds: &[Kind {
         word: "",
         fields: &[],
-        is: |spec| spec.actuator.is_some() || spec.harmonics.is_some(),
+        is: |spec| {
+            spec.actuator.is_some() || spec.harmonics.is_some() || spec.amplifier_bandwidth_hz.is_some()
+        },
         begin: |spec, has| {
             spec.harmonics = harmonics(has);
-            // A file may state harmonics alone: then nothing lies between the DAC and the driven end.
+            spec.amplifier_bandwidth_hz = has("amplifier_bandwidth_hz").then_some(0.0);
+            // A file may state these alone: then nothing lies between the DAC and the driven end.
+            let has_others = spec.harmonics.is_some() || spec.amplifier_bandwidth_hz.is_some();
             let responds = ["resonance_hz", "quality", "peak_travel_m", "static_travel_m", "points"];
-            let is_stated = spec.harmonics.is_none() || responds.into_iter().any(has);
+            let is_stated = !has_others || responds.into_iter().any(has);
             spec.actuator = is_stated.then(|| actuator(has));
         },
     }],
@@ -261,6 +265,8 @@ pub(super) const ACTUATOR: Section = Section {
             { spec.actuator, Some(Actuator::Resonator(Resonator { travel: Some(it), .. })) => Slot::Number(&mut it.static_m) };
         points: FieldType::Points(&CURVE), "the measured response"
             { spec.actuator, Some(Actuator::Measured(it)) => Slot::Triples(&mut it.points) };
+        amplifier_bandwidth_hz: FieldType::Number(limits::BANDWIDTH), "bandwidth of the amplifier"
+            { spec.amplifier_bandwidth_hz, Some(it) => Slot::Number(it) };
         harmonic_level: FieldType::Number(limits::HARMONIC_LEVEL), "level of the tone at which the harmonics hold"
             { spec.harmonics, Some(it) => Slot::Number(&mut it.level) };
         harmonic_2_points: FieldType::Points(&HARMONIC), "the drive's second harmonic over its fundamental"

@@ -75,12 +75,13 @@ fn without_amplifier(ui: &mut egui::Ui, wanted: &mut SelftestRequest) {
         .on_hover_text("For the converters, their lag and their noise");
     ui.checkbox(&mut wanted.has_trigger_wire, "A wire from the trigger output to the trigger input")
         .on_hover_text("For the time from a trigger to its drive");
-    ui.checkbox(&mut wanted.is_amplifier_unplugged, "The amplifier is unplugged")
-        .on_hover_text("One step then takes the mute pin high, to time how it falls");
+    ui.checkbox(&mut wanted.is_amplifier_unplugged, "The amplifier is unplugged").on_hover_text(
+        "Two steps then take the mute pin high: to time how it falls, and to make the board fail on purpose",
+    );
     ui.checkbox(&mut wanted.is_short, "In three seconds")
-        .on_hover_text("Fewer codes, and the clocks over that time alone");
-    ui.checkbox(&mut wanted.asks, "Ask me to press the board's button")
-        .on_hover_text("For the user button, the stop input and the flash");
+        .on_hover_text("Fewer codes, the clocks over that time alone, and no restart of the board");
+    ui.checkbox(&mut wanted.asks, "Ask me to press the board's buttons")
+        .on_hover_text("For the user button, the stop input, the flash and the chip's bootloader");
 }
 
 /// A step as a light: its name, its verdict, its numbers that have limits, and its sentence.

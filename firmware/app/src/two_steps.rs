@@ -1,19 +1,19 @@
-//! How a host enters the ROM bootloader: it asks for a token, then sends it back.
+//! How a host ends the program, for the ROM bootloader or by a fault on purpose: it asks for a token, then sends it back.
 
 use slipline_protocol::frame::CRC;
 use slipline_protocol::refusal::Refusal;
 use slipline_protocol::timing::Timing;
 use slipline_protocol::units::SampleIndex;
 
-/// The entry to the bootloader. The controller checks that the device is disarmed.
+/// The two steps of one such order. The controller checks the state that it needs.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct BootloaderEntry {
+pub struct TwoSteps {
     token: Option<(u32, SampleIndex)>,
     tokens_given: u32,
     leaving_since: Option<SampleIndex>,
 }
 
-impl BootloaderEntry {
+impl TwoSteps {
     /// Gives a token; one given before is no longer valid.
     pub fn give_token(&mut self, unit: &[u8; 12], now: SampleIndex) -> u32 {
         self.tokens_given = self.tokens_given.wrapping_add(1);
@@ -43,7 +43,7 @@ impl BootloaderEntry {
         Ok(())
     }
 
-    /// Whether it is time to enter the bootloader, true once: two transmit time-outs after the token, so that the reply goes out first.
+    /// Whether it is time to end the program, true once: two transmit time-outs after the token, so that the reply goes out first.
     pub fn is_passed(&mut self, now: SampleIndex, timing: &Timing) -> bool {
         let passed =
             self.leaving_since.is_some_and(|at| now.saturating_sub(at) >= timing.transmit.saturating_mul(2));
