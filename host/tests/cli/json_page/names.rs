@@ -326,6 +326,7 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ("recorded_s", "", "Time of the recording"),
     ("reference_v", "", "Reference voltage of DAC and ADC; null where it is not measured"),
     ("reflection", "1", "Reflection at the driven end, in two dimensions"),
+    ("refuses_m", "", "Distance of turning points by both pairs from which on a check refuses"),
     ("reset", "text", "Cause of the device's last reset"),
     ("resistance_n_s_per_m", "", "Resistance of the damper"),
     ("resonance_hz", "", "Resonance of the actuator"),
