@@ -62,6 +62,12 @@ fn value(plate: &Plate, places: &SensorPlaces, asked: Option<&Asked>) -> Value {
         "pairs": places.pairs.iter().map(of_pair).collect::<Vec<_>>(),
         "sensor_masses": places.both_bear(),
         "caution": places.caution(),
+        "check": places.check().map(|check| json!({
+            "place_m": check.place_m,
+            "turning_point_tolerance_m": check.boundary_tolerance_m,
+            // JSON: Distance of turning points by both pairs from which on a check refuses
+            "refuses_m": check.refuses_m,
+        })),
         "asked": asked.map(|asked| json!({
             "pair": asked.reach.as_ref().map(of_pair),
             "warnings": asked.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
@@ -89,6 +95,7 @@ fn lines<'a>(plate: &Plate, places: &SensorPlaces, asked: Option<&Asked>) -> Vec
         ("Would reach", reach(&places.best)),
         ("Nearest place", nearest),
     ];
+    lines.extend(places.check().map(|check| ("Check", check.to_string())));
     lines.extend(places.mass_note().map(|note| ("Mass", note)));
     lines.extend(places.caution().map(|caution| ("Caution", caution)));
     if let Some(asked) = asked {

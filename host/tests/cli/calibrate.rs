@@ -127,6 +127,10 @@ fn a_plan_proposes_two_places_and_says_what_others_would_reach() {
     assert!((place_mm(0) - place_mm(0).round()).abs() < 1e-6, "whole millimetres: {value}");
     assert_eq!((&value["nearest_by"], &value["asked"]), (&Value::from("width mode 3"), &Value::Null));
     assert!(value["pairs"].as_array().unwrap().len() > 50, "{value}");
+    let (check, check_mm) = (&value["check"], 1e3 * number(&value["check"], "place_m"));
+    assert!((check_mm - place_mm(0)).abs() > 15.0 && (check_mm - place_mm(1)).abs() > 15.0, "{value}");
+    let known_m = |pair: &Value| number(pair, "turning_point_tolerance_m");
+    assert!(number(check, "refuses_m") > 1.5 * known_m(best).max(known_m(check)), "{value}");
 
     let asked = planned(&["--sensor", "32mm", "--sensor", "310mm"])["asked"].clone();
     let warnings = asked["warnings"].as_array().unwrap();
@@ -140,7 +144,15 @@ fn a_plan_proposes_two_places_and_says_what_others_would_reach() {
     let text = said(&["calibrate", "--plan", "--plate", "membrane", "--sensor", "32mm", "--sensor", "176mm"]);
     says(
         &text,
-        &["Sensor at", "Would reach", "Nearest place", "Requested places", "Warning", "Second place"],
+        &[
+            "Sensor at",
+            "Would reach",
+            "Nearest place",
+            "Check",
+            "Requested places",
+            "Warning",
+            "Second place",
+        ],
     );
     refused(
         &["calibrate", "--plan", "--plate", "membrane", "--sensor", "32mm"],

@@ -49,4 +49,4 @@ pub use measurement::foreign::{File, FileError, Foreign, ForeignPoint, ForeignRe
 pub use measurement::sensor::{
     MeasuredPoint, Measurement, POINTS, SENSOR_MASS, SENSOR_WIDTH, SensorBody, SensorKind,
 };
-pub use placement::{NearLimit, PairReach, PlaceWarning, Placing, SensorPlaces};
+pub use placement::{CheckPlace, NearLimit, PairReach, PlaceWarning, Placing, SensorPlaces};

@@ -108,13 +108,20 @@ impl Anywhere {
         let at = format!("{name} at {:.1} mm, mark {:+.2} mm", 1e3 * place_m, 1e3 * off_m);
         match &self.found {
             Ok(found) => format!(
-                "{at}: boundary {:.2} (stated {:.2}, {:.2}) mm, level {:.2} (stated {:.2}) dB, chi2/n {:.2}",
+                "{at}: boundary {:.2} (stated {:.2}, {:.2}) mm, level {:.2} (stated {:.2}) dB, chi2/n {:.2}, place {:+.2} mm",
                 1e3 * self.boundary_m,
                 1e3 * found.boundary_tolerance_m,
                 self.boundary_m / found.boundary_tolerance_m,
                 self.level_db,
                 found.level_tolerance_db,
-                found.chi2_per_n
+                found.chi2_per_n,
+                1e3 * (found
+                    .parameters
+                    .iter()
+                    .find(|it| it.name == "place_m")
+                    .map_or(f64::NAN, |it| it.value)
+                    - self.place_m
+                    - self.off_m)
             ),
             Err(error) => format!("{at}: {error}"),
         }
@@ -127,12 +134,65 @@ fn one_sensor_anywhere_on_a_membrane_is_within_its_interval_or_refused() {
     anywhere(0..17, Solver::OneMode);
 }
 
+#[test]
+#[ignore = "many plates: .ci/run statistics"]
+fn one_sensor_anywhere_on_a_membrane_in_two_dimensions_is_within_its_interval_or_refused() {
+    // That in air takes a minute.
+    anywhere((0..20).filter(|seed| seed % 4 != 1), Solver::TwoDimensions);
+}
+
+/// A bar moves the whole width of the end alike, and with it the third width mode by a third of the first.
+#[test]
+#[ignore = "many plates: .ci/run statistics"]
+fn one_sensor_anywhere_on_a_membrane_that_a_bar_moves_is_within_its_interval_or_refused() {
+    // Without air, and of an exponential taper.
+    anywhere((0..14).map(|i| 2 * i), Solver::Bar);
+}
+
+/// Its actuator resonates at the lower end of the band, so that most of the upper half is noise: with that counted as a misfit no start of
+/// the search was followed, and good data were refused.
+#[test]
+fn one_sensor_behind_an_actuator_that_resonates_below_the_band_is_accepted() {
+    let it = Anywhere::of(10, Solver::OneMode);
+    let found = it.found.as_ref().unwrap_or_else(|error| panic!("{error}"));
+    assert!(it.boundary_m < found.boundary_tolerance_m && found.chi2_per_n < 1.5, "{}", it.words());
+}
+
+/// What the third width mode adds near the driven end is in the intervals: in two dimensions the level was 0.77 dB off at 25 mm where
+/// 0.40 was stated, and 0.51 dB at 34 mm where 0.36 was.
+#[test]
+fn one_sensor_near_the_driven_end_in_two_dimensions_is_within_its_intervals() {
+    near_the_end(&[(6, Solver::TwoDimensions), (18, Solver::TwoDimensions)]);
+}
+
+/// A bar moves the whole width of the end alike: the boundary was 1.20 mm off where 0.94 was stated.
+#[test]
+fn one_sensor_on_a_membrane_that_a_bar_moves_is_within_its_intervals() {
+    near_the_end(&[(16, Solver::Bar), (24, Solver::Bar)]);
+}
+
+fn near_the_end(plates: &[(u64, Solver)]) {
+    for &(seed, solver) in plates {
+        let it = Anywhere::of(seed, solver);
+        let found = it.found.as_ref().unwrap_or_else(|error| panic!("{error}"));
+        assert!(it.boundary_m < found.boundary_tolerance_m, "{solver:?} {}", it.words());
+        assert!(it.level_db < found.level_tolerance_db, "{solver:?} {}", it.words());
+    }
+}
+
 fn anywhere(seeds: impl Iterator<Item = u64>, solver: Solver) {
     let all: Vec<Anywhere> = seeds.map(|seed| Anywhere::of(seed, solver)).collect();
     let accepted = all.iter().filter_map(|it| Some((it.boundary_m, it.found.as_ref().ok()?)));
     let shares: Vec<f64> = accepted.map(|(off_m, found)| off_m / found.boundary_tolerance_m).collect();
     let within = shares.iter().filter(|share| **share <= 1.0).count();
-    println!("{solver:?}: {} of {} accepted, {within} within", shares.len(), all.len());
+    let is_level =
+        |it: &&Anywhere| it.found.as_ref().is_ok_and(|found| it.level_db <= found.level_tolerance_db);
+    let levels = all.iter().filter(is_level).count();
+    println!(
+        "{solver:?}: {} of {} accepted, {within} within, the level of {levels}",
+        shares.len(),
+        all.len()
+    );
     assert!(10 * shares.len() >= 9 * all.len() && 20 * within >= 19 * shares.len(), "{shares:.2?}");
 }
 

@@ -67,6 +67,22 @@ fn the_planned_level_is_that_behind_a_drive_that_resonates() {
     }
 }
 
+/// A plate whose end is moved is refused at its planned places, with less noise, too: the plan says so, and what calibrates it.
+#[test]
+fn a_plan_of_a_plate_that_two_places_do_not_calibrate_says_so() {
+    let caution = |nominal: &Plate| {
+        let placing = Placing { points: levels::count(nominal), ..Placing::default() };
+        SensorPlaces::of(nominal, &placing).expect("a plan").caution()
+    };
+    let plates = resonant();
+    let (_, moved) = &plates[0];
+    let words = caution(moved).expect("it resonates");
+    assert!(words.starts_with("two places do not calibrate this plate: it resonates"), "{words}");
+    assert!(words.contains("Give its end a resistance") && words.contains("--touch"), "{words}");
+    assert!(stated_over_planned("al-bending-displacement", moved, 4000).is_none());
+    assert_eq!(caution(&plates[1].1), None);
+}
+
 mod night {
     use super::*;
 

@@ -60,18 +60,19 @@ pub(crate) fn check_count(count: usize) -> Result<(), CalibrateError> {
 }
 
 /// Refuses coordinates that no plate of this file has, or that the sensors' places do not have, which follow the `of_plate` of
-/// the plate.
+/// the plate; `end` is that of the driven end, where it is open.
 pub(crate) fn check_coordinates(
     coordinates: &[f64],
     deviations: &[f64],
-    of_plate: usize,
+    (of_plate, end): (usize, Option<usize>),
     sensors: &[&Measurement],
 ) -> Result<(), CalibrateError> {
     if coordinates[SPEED].abs() > SPEED_MAX {
         return Err(CalibrateError::AnotherPlate { what: "wave speed", share: coordinates[SPEED].exp() });
     }
     let in_deviations = |at: usize| coordinates[at] / deviations[at];
-    let known = [HALF_WIDTH, TAPER, EDGE_GIVE].into_iter().chain((0..sensors.len()).map(|i| of_plate + i));
+    let of_sensors = (0..sensors.len()).map(|i| of_plate + i);
+    let known = [HALF_WIDTH, TAPER, EDGE_GIVE].into_iter().chain(of_sensors).chain(end);
     let square: f64 = known.clone().map(|at| in_deviations(at).powi(2)).sum();
     if square <= DEVIATIONS_MAX * DEVIATIONS_MAX {
         return Ok(());
@@ -83,6 +84,10 @@ pub(crate) fn check_coordinates(
             share: coordinates[HALF_WIDTH].exp(),
         },
         Some(EDGE_GIVE) => CalibrateError::EdgesGive { by_m: coordinates[EDGE_GIVE] },
+        Some(at) if Some(at) == end && !sensors.is_empty() => {
+            let place_m = sensors[0].place_m;
+            CalibrateError::Misplaced { place_m, found_m: place_m - coordinates[at] }
+        }
         Some(at) if at >= of_plate => {
             let place_m = sensors[at - of_plate].place_m;
             CalibrateError::Misplaced { place_m, found_m: place_m + coordinates[at] }

@@ -15,7 +15,7 @@ use crate::special::ramp::ramp;
 const BOUNDARIES: usize = 33;
 /// Both results are of one plate where their boundaries differ by at most this many times the root of the sum of their squared
 /// intervals. One in 300 is refused that should not be.
-const SAME: f64 = 1.5;
+pub(crate) const SAME: f64 = 1.5;
 
 /// As [`from_ratio`], with a third measurement by the same sensor, `check`, at another place.
 ///

@@ -242,6 +242,11 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
         self.residual_count() as f64
     }
 
+    fn of_noise(&self, model_error: f64) -> f64 {
+        let share = |datum: &Datum| datum.variance / datum.deviation(model_error).powi(2);
+        2.0 * self.data.iter().map(share).sum::<f64>() / self.count()
+    }
+
     fn starts(&self, speeds: (f64, f64)) -> Vec<Vec<Vec<f64>>> {
         let every = self.data.len().div_ceil(SCAN_FREQUENCIES).max(1);
         let some: Vec<Datum> = self.data.iter().copied().step_by(every).collect();

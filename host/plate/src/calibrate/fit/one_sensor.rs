@@ -7,10 +7,11 @@ use super::pairs::{MODEL_ERROR, unbiased_magnitude};
 use super::response::plate_response::{PlateResponse, Units, takes_a_source};
 use super::response::sensor_body::{check_fitted_mass, check_mass};
 use super::result::{AcceptedFit, Calibrated};
-use super::source::data::{entering, of_deflection};
+use super::source::data::{Datum, entering, of_deflection};
 use super::source::sensor_signal::{CURVE, DELAY, RISE, SensorSignal};
 use super::source::source_file::FittedSource;
-use super::unknowns::Priors;
+use super::source::third_mode::{front_m, widen};
+use super::unknowns::{HELD, Priors};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::calibrate::measurement::signal;
@@ -38,7 +39,7 @@ pub fn from_one_sensor(
     sensor: &Measurement,
     priors: &Priors,
 ) -> Result<Calibrated, CalibrateError> {
-    fitted(plate, sensor, priors).map(|(calibrated, _)| calibrated)
+    fitted(plate, sensor, priors, true).map(|(calibrated, _)| calibrated)
 }
 
 /// Refuses a plate that no measurement by one sensor, or of the drive's current, can calibrate: its file must state a
@@ -50,20 +51,26 @@ pub fn check_source(plate: &Plate) -> Result<(), CalibrateError> {
     Ok(takes_a_source(plate.spec())?)
 }
 
-/// As [`from_one_sensor`]; also returns the fitted coordinates of the plate, the place and the source.
+/// As [`from_one_sensor`]; also returns the fitted coordinates of the plate, the place and the source. `of_any_end` counts what an end
+/// that moves in another shape than the first width mode adds near it, and where its wave begins.
 pub(crate) fn fitted(
     plate: &Plate,
     sensor: &Measurement,
     priors: &Priors,
+    of_any_end: bool,
 ) -> Result<(Calibrated, Fit), CalibrateError> {
     priors.check()?;
     signal::check_sensor(plate, sensor)?;
     check_source(plate)?;
     let points = entering(plate, sensor)?;
     let units = Units::of(plate, &points).ok_or(CalibrateError::NoFit)?;
-    let data = of_deflection(&points, sensor, units);
-    let source = SensorSignal::new(units, points[points.len() - 1].frequency_hz);
+    let mut data = of_deflection(&points, sensor, units);
+    let end_m = if of_any_end { front_m(plate) } else { HELD };
+    let source = SensorSignal::new(units, points[points.len() - 1].frequency_hz, end_m);
     let frequencies_hz: Vec<f64> = points.iter().map(|point| point.frequency_hz).collect();
+    if of_any_end {
+        widen(&mut data, plate, sensor.place_m, &frequencies_hz);
+    }
     check_mass(plate, sensor, &frequencies_hz)?;
     let mut joint = Joint::new(plate, source, units, Some(sensor), priors, (&points, data));
     let (fit, chi2_per_n) = joint.accepted()?;
@@ -81,13 +88,12 @@ pub(crate) fn fitted(
     };
     let carried = |at: &[f64]| {
         let impedance = joint.impedance_of(at);
-        let each = |(answer, point): (&PlateResponse, &MeasuredPoint)| {
+        let each = |((answer, point), datum): ((&PlateResponse, &MeasuredPoint), &Datum)| {
             let to_peak = answer.rise(impedance) * answer.peak / answer.seen[0].norm();
-            let magnitude = unbiased_magnitude(point);
-            let error = point.noise.hypot(MODEL_ERROR * magnitude) * to_peak;
-            Carried { frequency_hz: answer.frequency_hz, peak: magnitude * to_peak, error }
+            let error = datum.relative(MODEL_ERROR) * point.response.norm() * to_peak;
+            Carried { frequency_hz: answer.frequency_hz, peak: unbiased_magnitude(point) * to_peak, error }
         };
-        Some(joint.answers_with_peak(at)?.iter().zip(&points).map(each).collect())
+        Some(joint.answers_with_peak(at)?.iter().zip(&points).zip(&joint.data).map(each).collect())
     };
     let accepted = AcceptedFit {
         nominal: plate,

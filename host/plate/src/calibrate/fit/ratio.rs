@@ -215,6 +215,11 @@ impl Searched for Ratio<'_> {
         self.pairs.len() as f64
     }
 
+    fn of_noise(&self, _model_error: f64) -> f64 {
+        // Every valley is followed.
+        0.0
+    }
+
     fn starts(&self, speeds: (f64, f64)) -> Vec<Vec<Vec<f64>>> {
         let every = self.pairs.len().div_ceil(SCAN_FREQUENCIES).max(1);
         let some: Vec<Pair> = self.pairs.iter().copied().step_by(every).collect();

@@ -4,6 +4,7 @@ use super::acceptance;
 use super::gain::{Carried, Levels};
 use super::least_squares::Fit;
 use super::parameter::{INTERVAL, Parameter, parameters_of_plate};
+use super::source::sensor_signal::END;
 use super::source::source_file::FittedSource;
 use super::spread::Spread;
 use super::unknowns::{EDGE_GIVE, HALF_WIDTH, HELD, LOSS, TAPER, exponent_at, of_plate, spec_at};
@@ -104,7 +105,8 @@ impl AcceptedFit<'_> {
     pub(crate) fn finish(self) -> Result<Calibrated, CalibrateError> {
         let Self { nominal, fit, sensors, .. } = self;
         let of_plate = of_plate(nominal.spec());
-        acceptance::check_coordinates(&fit.parameters, self.deviations, of_plate, sensors)?;
+        let end = self.source.as_ref().and_then(|source| source.delay.map(|_| source.first + END));
+        acceptance::check_coordinates(&fit.parameters, self.deviations, (of_plate, end), sensors)?;
         acceptance::check_air(nominal.spec(), &fit.parameters)?;
         // Without the record of the calibration.
         let spec = spec_at(nominal.spec(), &fit.parameters);

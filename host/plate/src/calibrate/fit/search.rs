@@ -26,8 +26,8 @@ const STILL: (f64, f64) = (1e-2, 1e-5);
 pub(crate) trait Searched: Sized {
     /// Wave speeds that are tried first, and then, as the logarithm over the file's.
     const SPEEDS: &'static [(f64, f64)];
-    /// Model errors from fit to fit on the way to the bottom of a valley. With each, the most chi^2 per number from which a fit
-    /// of [`CHI2_PER_N_MAX`] may still be reached: others are left.
+    /// Model errors from fit to fit on the way to the bottom of a valley. With each, the most chi^2 per number, beyond that of the noise
+    /// alone, from which a fit of [`CHI2_PER_N_MAX`] may still be reached: others are left.
     const ERRORS: &'static [(f64, f64)];
     /// Most steps of each of these fits.
     const STEPS_MAX: usize;
@@ -38,6 +38,8 @@ pub(crate) trait Searched: Sized {
     fn nominal(&self) -> &PlateSpec;
     /// Number of data, for chi^2 per number.
     fn count(&self) -> f64;
+    /// chi^2 per number that noise alone leaves with this model error: where an answer is noise, none hides it.
+    fn of_noise(&self, model_error: f64) -> f64;
     /// Starts in the lowest valleys of a scan over these speeds.
     fn starts(&self, speeds: (f64, f64)) -> Vec<Vec<Vec<f64>>>;
     /// The residuals on a grid of `radians`; see [`Problem::residuals`].
@@ -85,7 +87,7 @@ pub(crate) trait Searched: Sized {
             let from = found.as_ref().map_or(start, |found| &found.parameters);
             let problem = OnGrid { searched: self, radians: COARSE, model_error };
             let fit = least_squares::fit(&problem, from, STILL.0, Self::STEPS_MAX);
-            found = Some(fit.filter(|fit| self.is_below(fit, most))?);
+            found = Some(fit.filter(|fit| self.is_below(fit, most + self.of_noise(model_error)))?);
         }
         found
     }

@@ -2,11 +2,16 @@
 //!
 //! ```text
 //! near_limit: end of the near field -> plan: pairs of places beyond it -> information: accuracy of each pair
+//!                                         -> check: a third place that checks the best pair
 //! ```
 
+mod check;
 mod information;
 mod near_limit;
 pub(crate) mod plan;
+mod warning;
 
+pub use check::CheckPlace;
 pub use near_limit::NearLimit;
-pub use plan::{PairReach, PlaceWarning, Placing, SensorPlaces};
+pub use plan::{PairReach, Placing, SensorPlaces};
+pub use warning::PlaceWarning;

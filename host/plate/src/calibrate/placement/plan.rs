@@ -1,7 +1,9 @@
 //! The proposed pair of places, and what a sensor at another place would miss.
 
+use super::check::CheckPlace;
 use super::information::{Information, Reached};
 use super::near_limit::NearLimit;
+use super::warning::PlaceWarning;
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::fit::acceptance::LEVEL_MAX_DB;
 use crate::calibrate::fit::pairs::MODEL_ERROR;
@@ -14,12 +16,16 @@ use crate::calibrate::measurement::signal;
 use crate::definition::{Air, Plate, PlateSpec, limits};
 use crate::quantity::number_format::significant;
 use crate::quantity::{OutOfRange, Range, WrongCount, show_place};
-use std::fmt;
 
 /// Side of the square of the sensor whose mass is stated beside a plan, metres: that of a chip.
 const CHIP_M: f64 = 4e-3;
 /// Noise of an answer over the root mean square of the signals over the plate and the band: 40 dB below it.
 const NOISE: f64 = 0.01;
+/// Half of the widest accepted interval of the level, dB.
+const LEVEL_ACCEPTED_DB: f64 = INTERVAL * LEVEL_MAX_DB;
+/// A plate whose level stays open by more behind the drive of its file alone, dB, is refused behind nearly all others: so is
+/// `al-bending-displacement` (1.6 dB; plates that are accepted have 0.3 to 0.7).
+const RESONATES_DB: f64 = 1.2;
 /// Places that are tried from the nearest on, and then between the best and its neighbours.
 const TRIED: usize = 14;
 const BETWEEN: usize = 5;
@@ -78,52 +84,6 @@ pub struct PairReach {
     stated_db: f64,
 }
 
-/// Why a sensor at a place does not serve a calibration.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PlaceWarning {
-    /// More than one wave travels there.
-    TooNear {
-        /// The place, metres.
-        place_m: f64,
-        /// The other waves.
-        limit: NearLimit,
-        /// The nearest place where one wave is nearly alone, metres.
-        nearest_m: f64,
-    },
-    /// At many frequencies the plate does not move there.
-    Silent {
-        /// The place, metres.
-        place_m: f64,
-        /// Share of the frequencies at which the sensor shows nothing but noise (0 to 1).
-        share: f64,
-    },
-}
-
-impl fmt::Display for PlaceWarning {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::TooNear { place_m, limit, nearest_m } => {
-                let what = match limit {
-                    NearLimit::NearField => "the near field of the driven end".to_owned(),
-                    NearLimit::WidthMode(mode) => format!("width mode {mode}"),
-                };
-                let (place, nearest) = (show_place(place_m), show_place(nearest_m));
-                write!(
-                    formatter,
-                    "a sensor at {place} sees {what} beside the wave: put it at {nearest} or beyond"
-                )
-            }
-            Self::Silent { place_m, share } => {
-                let (place, percent) = (show_place(place_m), (100.0 * share).round());
-                write!(
-                    formatter,
-                    "a sensor at {place} cannot see: at {percent} % of the frequencies the plate does not move there"
-                )
-            }
-        }
-    }
-}
-
 /// Places of the two sensors of a calibration, proposed from the nominal plate.
 ///
 /// ```
@@ -145,6 +105,8 @@ pub struct SensorPlaces {
     /// Standard deviations of what is known of the plate's coordinates.
     deviations: Vec<f64>,
     frequencies_hz: Vec<f64>,
+    /// The places whose pairs were compared first, metres.
+    grid_m: Vec<f64>,
     /// One standard deviation of an answer, in the sensor's unit.
     noise: f64,
     /// The nearest place where the wave that is calibrated is nearly alone, metres.
@@ -221,8 +183,9 @@ impl SensorPlaces {
         let finer = pairs_of(&about.concat(), about[0].len(), about[0].len())?;
         let all = [&pairs[..], &finer].concat();
         let best = best_of(&all).unwrap_or(coarse);
-        let placing = *placing;
-        Ok(Self { plate: near, placing, deviations, frequencies_hz, noise, nearest_m, limit, best, pairs })
+        let (placing, grid_m) = (*placing, grid);
+        let plate = near;
+        Ok(Self { plate, placing, deviations, frequencies_hz, grid_m, noise, nearest_m, limit, best, pairs })
     }
 
     /// The best of the pairs with the same first place, in the order of that place.
@@ -237,18 +200,30 @@ impl SensorPlaces {
         information.reached([0, 1], self.noise).map(|reached| PairReach::new(places_m, reached))
     }
 
-    /// A sentence where a calibration at the proposed places may be refused; `None` where it is accepted with this noise.
+    /// Where a third place checks the best two; `None` where no place is apart from both.
+    #[must_use]
+    pub fn check(&self) -> Option<CheckPlace> {
+        let best = (self.best.places_m, self.best.boundary_tolerance_m);
+        CheckPlace::of(best, &self.grid_m, self.noise, |places_m| self.information(places_m).ok())
+    }
+
+    /// A sentence where a calibration at the proposed places may be refused, with the data that calibrate such a plate; `None` where it is
+    /// accepted with noise 40 dB below the signals.
     #[must_use]
     pub fn caution(&self) -> Option<String> {
-        let level_db = self.best.level_tolerance_db;
-        let most_db = INTERVAL * LEVEL_MAX_DB;
-        (level_db > most_db).then(|| {
-            format!(
-                "behind an actuator that resonates the level stays open to {} dB, and at most {} dB are accepted: such a plate resonates, so give its end a resistance, or measure with less noise",
-                significant(level_db, 2),
-                significant(most_db, 2)
-            )
-        })
+        if self.best.is_accepted() {
+            return None;
+        }
+        let verdict = if self.best.stated_db > RESONATES_DB {
+            "two places do not calibrate this plate"
+        } else {
+            "two places may be refused"
+        };
+        Some(format!(
+            "{verdict}: it resonates, and behind an actuator that resonates, too, the level stays open to {} dB, where at most {} dB are accepted. Give its end a resistance, which less noise does not replace, or calibrate by felt edges (--touch), which state boundaries without levels",
+            significant(self.best.level_tolerance_db, 2),
+            significant(LEVEL_ACCEPTED_DB, 2)
+        ))
     }
 
     /// The largest masses of a sensor on a square of side `width_m` (0.0005 to 0.1) at a place, behind the drive of the
@@ -317,13 +292,21 @@ impl PairReach {
             stated_db: level_db,
         }
     }
+
+    /// Whether a calibration there is accepted behind an actuator that resonates, too.
+    fn is_accepted(&self) -> bool {
+        self.level_tolerance_db <= LEVEL_ACCEPTED_DB
+    }
 }
 
 /// The pair with the least product of the interval of places, that of the boundary or of the nodes, and of the level to the power
-/// of [`OF_LEVEL`].
+/// of [`OF_LEVEL`]: of those that are accepted behind an actuator that resonates, or of all where there is none.
 fn best_of(pairs: &[PairReach]) -> Option<PairReach> {
     let product = |it: &PairReach| {
         it.boundary_tolerance_m.max(it.node_tolerance_m / OF_NODES) * it.stated_db.powf(OF_LEVEL)
     };
-    pairs.iter().copied().min_by(|a, b| product(a).total_cmp(&product(b)))
+    pairs
+        .iter()
+        .copied()
+        .min_by(|a, b| b.is_accepted().cmp(&a.is_accepted()).then(product(a).total_cmp(&product(b))))
 }

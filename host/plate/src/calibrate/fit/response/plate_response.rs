@@ -55,6 +55,8 @@ pub(crate) struct PlateResponse {
     pub(crate) force: Complex64,
     /// f(0) times the unit of stiffness, over F.
     pub(crate) motion: Complex64,
+    /// The derivatives of `force` and `motion` by the place of the driven end, 1/m, of the bare plate.
+    pub(crate) by_end: [Complex64; 2],
     /// `force` and `motion` of the bare plate where a sensor weighs on it: the two above are then those that give the
     /// sensor's own motion from the bare plate's `seen`.
     pub(crate) bare: Option<[Complex64; 2]>,
@@ -73,6 +75,12 @@ impl PlateResponse {
     /// F in the scale of F_p: the force that this source needs for a unit drive.
     pub(crate) fn load(&self, source: [f64; 3]) -> Complex64 {
         self.force + dynamic_stiffness(source, self.rate) * self.motion
+    }
+
+    /// The same where the driven end is `end_m` from where the equation has it.
+    pub(crate) fn load_of_end(&self, source: [f64; 3], end_m: f64) -> Complex64 {
+        let [force, motion] = self.by_end;
+        self.load(source) + end_m * (force + dynamic_stiffness(source, self.rate) * motion)
     }
 
     /// The bare plate's motion over that of a sensor that weighs.
@@ -138,9 +146,15 @@ pub(crate) fn answers(
     }
     let rows = wave.complex(sensor, places_m, frequencies_hz, with_peak);
     let answer = |(&frequency_hz, row): (&f64, super::wave::Row)| {
-        let [force, motion] = end.of_wave(frequency_hz, row.value, wave.slope(frequency_hz));
+        let slope = wave.slope(frequency_hz);
+        let [force, motion] = end.of_wave(frequency_hz, row.value, slope);
+        // f'' by the amplitude equation.
+        let square = wave.plate().width_mode(1).wavenumber_squared(0.0, frequency_hz);
+        let bend = -wave.plate().narrowing_per_m(0.0) * slope - square * row.value;
+        let by_end = end.of_wave(frequency_hz, slope, bend);
         let rate = units.rate(frequency_hz);
-        PlateResponse { frequency_hz, rate, force, motion, bare: None, seen: row.seen, peak: row.peak }
+        let (seen, peak) = (row.seen, row.peak);
+        PlateResponse { frequency_hz, rate, force, motion, by_end, bare: None, seen, peak }
     };
     Some(frequencies_hz.iter().zip(rows).map(answer).collect())
 }

@@ -6,3 +6,4 @@ pub(crate) mod drive_current;
 pub(crate) mod sensor_signal;
 pub(crate) mod source_file;
 pub(crate) mod source_model;
+pub(crate) mod third_mode;

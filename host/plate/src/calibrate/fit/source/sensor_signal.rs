@@ -16,13 +16,14 @@ use crate::calibrate::fit::response::plate_response::{PlateResponse, Units};
 use crate::order;
 use num_complex::Complex64;
 
-/// Coordinates after resistance, mass and stiffness: a1, a2, gain, delay.
+/// Coordinates after resistance, mass and stiffness: a1, a2, gain, delay, and the place of the driven end, metres.
 pub(crate) const RISE: usize = 3;
 pub(crate) const CURVE: usize = 4;
 pub(crate) const GAIN: usize = 5;
 pub(crate) const DELAY: usize = 6;
+pub(crate) const END: usize = 7;
 /// Number of coordinates of the source.
-const COUNT: usize = 7;
+const COUNT: usize = 8;
 /// Prior standard deviations of resistance, mass and stiffness, in units of the plate.
 pub(crate) const OF_PLATE_SIZE: f64 = 3.0;
 /// Prior standard deviations of a1 and a2: no resonance below a third of the band's middle.
@@ -48,11 +49,13 @@ const ROUNDS: usize = 12;
 pub(crate) struct SensorSignal {
     units: Units,
     highest_hz: f64,
+    /// Standard deviation of the driven end from where the equation has it, metres.
+    end_m: f64,
 }
 
 impl SensorSignal {
-    pub(crate) const fn new(units: Units, highest_hz: f64) -> Self {
-        Self { units, highest_hz }
+    pub(crate) const fn new(units: Units, highest_hz: f64, end_m: f64) -> Self {
+        Self { units, highest_hz, end_m }
     }
 
     /// The delays of a scan, in units.
@@ -79,11 +82,12 @@ impl SourceModel for SensorSignal {
         let mut deviations = vec![OF_PLATE_SIZE; COUNT];
         (deviations[RISE], deviations[CURVE]) = (OF_ACTUATOR, OF_ACTUATOR);
         (deviations[GAIN], deviations[DELAY]) = (f64::INFINITY, f64::INFINITY);
+        deviations[END] = self.end_m;
         deviations
     }
 
     fn response(&self, answer: &PlateResponse, place: usize, source: &[f64]) -> Complex64 {
-        let load = answer.load([source[0], source[1], source[2]]);
+        let load = answer.load_of_end([source[0], source[1], source[2]], source[END]);
         source[GAIN] * lag(answer, source[DELAY]) * answer.seen[place]
             / (load * actuator(&source[RISE..], answer.rate))
     }
