@@ -113,20 +113,20 @@ fn the_time_left_of_a_measurement_is_the_time_that_it_takes() {
 }
 
 #[test]
-fn each_answer_is_shown_as_it_comes_and_lies_on_the_curve_of_the_plate_that_is_there() {
+fn each_answer_is_shown_as_it_comes_and_lies_on_the_curve_of_the_simulated_plate() {
     let (mut session, _) = Session::at_bench();
     begin(&mut session);
     let (mut counts, mut worst_db) = (Vec::new(), 0.0_f64);
-    let is_there = |session: &Session| {
+    let is_computed = |session: &Session| {
         session.instrument.shown().measure.live.so_far.is_some_and(|so_far| !so_far.predicted.is_empty())
     };
-    session.until("the model's curve is there", is_there);
+    session.until("the model's curve is computed", is_computed);
     while let Some(so_far) = session.instrument.shown().measure.live.so_far {
         let (model, heard) = (so_far.model_db(), so_far.heard_db());
         assert_eq!((model.len(), so_far.planned.len()), (60, 60));
         for [hertz, level_db] in &heard {
-            let [_, there_db] = model.iter().find(|at| (at[0] - hertz).abs() < 1e-6).expect("it was planned");
-            worst_db = worst_db.max((level_db - there_db).abs());
+            let [_, model_db] = model.iter().find(|at| (at[0] - hertz).abs() < 1e-6).expect("it was planned");
+            worst_db = worst_db.max((level_db - model_db).abs());
         }
         counts.push(heard.len());
         session.pass(100);

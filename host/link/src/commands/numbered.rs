@@ -128,7 +128,9 @@ impl CommandQueue {
             }
             Event::Clock(reported) => recorder.take(task.ticket, |it| it.view.device.clock = Some(reported)),
             Event::BrownOut(reported) => recorder.take(task.ticket, |it| it.brown_out(reported)),
-            Event::FaultTrial(reported) => recorder.take(task.ticket, |it| it.view.device.fault_trial = Some(reported)),
+            Event::FaultTrial(reported) => {
+                recorder.take(task.ticket, |it| it.view.device.fault_trial = Some(reported))
+            }
             Event::Table(report) => {
                 recorder.table(report);
                 let now_at = recorder.view.drive.status.map_or(0, |status| status.now);

@@ -55,6 +55,8 @@ impl Job {
                 | Self::Hold(_)
                 | Self::Send(Command::Drive(_) | Command::Chord(_) | Command::Comb(_) | Command::Hold(_))
         );
+        // A fault on purpose needs a device that nothing has stopped since.
+        let fails = matches!(self, Self::Send(Command::FaultOrder(_)));
         sounds || fails || arms && matches!(stop, Command::EmergencyStop)
     }
 }

@@ -82,7 +82,7 @@ impl Live {
         self.course.answers_so_far.as_ref()?.wanted()
     }
 
-    /// Takes the model's answers, if they are there.
+    /// Takes the model's answers once they are computed.
     pub(super) fn take_model(&mut self, measurements: &Measurements) {
         let Some(answers) = &mut self.course.answers_so_far else { return };
         if let Some(computed) = answers.wanted().and_then(|planned| measurements.model(planned)) {

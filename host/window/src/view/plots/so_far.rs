@@ -47,7 +47,7 @@ pub(super) fn show(ui: &mut egui::Ui, so_far: &SoFar<'_>) {
     theme::describe(&shown.response, &words, "Level at the sensor over frequency, dB of the model's highest");
 }
 
-/// How much is there, and what is drawn.
+/// The number of answers so far, and what is drawn.
 fn words(so_far: &SoFar<'_>) -> String {
     let (heard, all) = (so_far.heard.len(), so_far.planned.len());
     if heard == 0 {
