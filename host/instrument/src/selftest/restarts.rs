@@ -119,12 +119,11 @@ impl Course {
         let last = self.dialogue.now();
         let entered = self.dialogue.ask(Request::Bootloader).await;
         let of = |quantity, is_so: bool| reading(name, quantity, f64::from(u8::from(is_so)));
-        match entered {
-            Outcome::Done { .. } => {}
-            Outcome::Refused(Refusal::NotInBootloader) => {
-                return Ok(StepResult::judged(name, vec![of("stays in the program", true)], ""));
-            }
-            outcome => return Err(ended_by(&outcome)),
+        if matches!(entered, Outcome::Refused(Refusal::NotInBootloader)) {
+            return Ok(StepResult::judged(name, vec![of("stays in the program", true)], ""));
+        }
+        if !matches!(entered, Outcome::Done { .. }) {
+            return Err(ended_by(&entered));
         }
         // It leaves its program some time after its answer.
         self.dialogue.ask(Request::Await(LOOK)).await;

@@ -129,7 +129,7 @@ impl CommandQueue {
             Event::Clock(reported) => recorder.take(task.ticket, |it| it.view.device.clock = Some(reported)),
             Event::BrownOut(reported) => recorder.take(task.ticket, |it| it.brown_out(reported)),
             Event::FaultTrial(reported) => {
-                recorder.take(task.ticket, |it| it.view.device.fault_trial = Some(reported))
+                recorder.take(task.ticket, |it| it.view.device.fault_trial = Some(reported));
             }
             Event::Table(report) => {
                 recorder.table(report);

@@ -331,15 +331,13 @@ impl SimulatedDevice {
             return;
         }
         let is_low = self.peripherals.lock().muted;
-        let muted_after_us = match fault {
-            OrderedFault::MaskedInterrupts if is_low => STAYS_ON_US,
-            _ => failed_us,
-        };
-        let (cause, record) = match boot::reset_by(fault) {
-            cause @ (ResetCause::HardFault | ResetCause::Panic) => {
-                (ResetCause::Software, CrashRecord::crashed(cause, self.kept.resets, &"stack overflow"))
-            }
-            cause => (cause, self.kept.clone()),
+        let has_lapsed = fault == OrderedFault::MaskedInterrupts && is_low;
+        let muted_after_us = if has_lapsed { STAYS_ON_US } else { failed_us };
+        let cause = boot::reset_by(fault);
+        let (cause, record) = if matches!(cause, ResetCause::HardFault | ResetCause::Panic) {
+            (ResetCause::Software, CrashRecord::crashed(cause, self.kept.resets, &"stack overflow"))
+        } else {
+            (cause, self.kept.clone())
         };
         self.kept = CrashRecord { ordered: Some(fault), ..record };
         self.restart(cause);
