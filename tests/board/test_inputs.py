@@ -135,7 +135,8 @@ def starve(rig):
 
 def mask(rig):
     """The DAC's interrupt is late by a block and a quarter, and two of them are due."""
-    rig.board.run_until(lambda: rig.played() % BLOCK >= BLOCK * 3 // 4, 0.001, step=1e-6)
+    # Not at a block's very end: the DMA has read ahead there, and its interrupt has begun.
+    rig.board.run_until(lambda: BLOCK * 3 // 4 <= rig.played() % BLOCK < BLOCK * 7 // 8, 0.001, step=1e-6)
     rig.board.enabled.discard(rig.facts.dma_irq)
     rig.board.run(1.5 * BLOCK / RATE_HZ)
     rig.board.enabled.add(rig.facts.dma_irq)
