@@ -1,5 +1,5 @@
 //! The steps of a calibration, one page each: plate file and caliper widths, first sensor place, its
-//! measurement, second sensor place, result.
+//! measurement, second sensor place, result; and from there a third place, as a check.
 
 pub(crate) mod name;
 mod page;
@@ -16,8 +16,8 @@ use slipline_plate::calibrate::{Calipers, Measurement, Placing, Priors, SensorPl
 use slipline_plate::{Plate, PlateError};
 use std::sync::Arc;
 
-/// Sensor places as fractions of the length, for a plate for which none can be proposed.
-const PLACES: [f64; 2] = [0.3, 0.6];
+/// Sensor places as fractions of the length, for a plate for which none can be proposed; the last one is that of a check.
+const PLACES: [f64; 3] = [0.3, 0.6, 0.45];
 
 /// The measured response at one place of the sensor.
 #[derive(Debug, Clone)]
@@ -35,9 +35,9 @@ pub struct CalibrationWizard {
     /// The page that is open.
     pub step: WizardPage,
     calipers: Option<Calipers>,
-    places_m: [f64; 2],
+    places_m: [f64; 3],
     mass_note: Option<String>,
-    answers: [Option<PlaceResponse>; 2],
+    answers: [Option<PlaceResponse>; 3],
 }
 
 impl CalibrationWizard {
@@ -51,7 +51,7 @@ impl CalibrationWizard {
             calipers: None,
             places_m,
             mass_note,
-            answers: [None, None],
+            answers: [None, None, None],
         }
     }
 
@@ -90,9 +90,10 @@ impl CalibrationWizard {
         Ok(())
     }
 
-    /// Where the sensor has to stand, metres from the driven end, as [`SensorPlaces`] proposes for the plate.
+    /// Where the sensor has to stand, metres from the driven end, as [`SensorPlaces`] proposes for the plate: the two places, and a third
+    /// as a check.
     #[must_use]
-    pub fn places_m(&self) -> [f64; 2] {
+    pub fn places_m(&self) -> [f64; 3] {
         self.places_m
     }
 
@@ -107,17 +108,22 @@ impl CalibrationWizard {
         )
     }
 
-    /// The measured response at the first (0) or second (1) place.
+    /// The measured response at the first (0), second (1) or third (2) place.
     #[must_use]
     pub fn answer(&self, sensor: usize) -> Option<&PlaceResponse> {
         self.answers.get(sensor)?.as_ref()
     }
 
-    /// Stores the response measured at the first (0) or second (1) place.
+    /// Stores the response measured at the first (0), second (1) or third (2) place.
     pub(crate) fn take_answer(&mut self, sensor: usize, answer: PlaceResponse) {
         if let Some(place) = self.answers.get_mut(sensor) {
             *place = Some(answer);
         }
+    }
+
+    /// Does without the check of a third place.
+    pub(crate) fn leave_check_out(&mut self) {
+        self.answers[2] = None;
     }
 
     /// Swaps the two responses.
@@ -139,7 +145,7 @@ impl CalibrationWizard {
     /// Why the next page cannot be opened yet; `None` if it can.
     #[must_use]
     pub fn obstacle(&self) -> Option<&'static str> {
-        let sensor = self.step.sensor()?;
+        let sensor = self.step.sensor().filter(|_| self.step != WizardPage::Check)?;
         self.answer(sensor)
             .is_none()
             .then_some("Measure the sensor's answer here, or open a file of it, first.")
@@ -148,11 +154,12 @@ impl CalibrationWizard {
     /// The job that computes the result, once both responses exist.
     #[must_use]
     pub fn job(&self, sample_rate_hz: f64) -> Option<CalibrateJob> {
-        let [Some(first), Some(second)] = &self.answers else { return None };
+        let [Some(first), Some(second), check] = &self.answers else { return None };
         Some(CalibrateJob {
             plate: Arc::clone(&self.plate),
             calipers: self.calipers,
             sensors: [Arc::clone(&first.measurement), Arc::clone(&second.measurement)],
+            check: check.as_ref().map(|check| Arc::clone(&check.measurement)),
             sample_rate_hz,
         })
     }
@@ -162,10 +169,14 @@ impl CalibrationWizard {
 mod tests;
 
 /// The proposed places of a displacement sensor on a plate, metres.
-fn proposed(plate: &Plate, priors: Priors) -> ([f64; 2], Option<String>) {
+fn proposed(plate: &Plate, priors: Priors) -> ([f64; 3], Option<String>) {
     let placing = Placing { points: Wanted::of(plate).points, priors, ..Placing::default() };
     match SensorPlaces::of(plate, &placing) {
-        Ok(places) => (places.best.places_m, places.mass_note()),
+        Ok(places) => {
+            let [near_m, far_m] = places.best.places_m;
+            let check_m = places.check().map_or(0.5 * (near_m + far_m), |check| check.place_m);
+            ([near_m, far_m, check_m], places.mass_note())
+        }
         Err(_) => (PLACES.map(|share| share * plate.length_m()), None),
     }
 }

@@ -27,6 +27,13 @@ pub fn sort_by_key<T, Key: Ord>(values: &mut [T], key: impl Fn(&T) -> Key) {
     sort_by(values, |one, other| key(one).cmp(&key(other)));
 }
 
+/// The middle one of the sorted values, the upper one of the two middle ones of an even number; `None` of an empty list.
+#[must_use]
+pub fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
 /// The places of `count` values in the order of `compare`.
 fn places(count: usize, compare: &dyn Fn(usize, usize) -> Ordering) -> Vec<usize> {
     let mut places: Vec<usize> = (0..count).collect();

@@ -15,13 +15,14 @@ pub enum Remedy {
 impl Remedy {
     /// The remedy for a refused calibration of these measurements.
     #[must_use]
-    pub fn of(error: &CalibrateError, sensors: [&Measurement; 2]) -> Self {
+    pub fn of(error: &CalibrateError, sensors: [&Measurement; 2], check: Option<&Measurement>) -> Self {
         let at = |place_m: f64| {
-            if place_m == sensors[1].place_m && place_m != sensors[0].place_m {
-                Self::Page(WizardPage::SecondPlace)
-            } else {
-                Self::Page(WizardPage::FirstAnswer)
-            }
+            let of = sensors.into_iter().chain(check).position(|sensor| sensor.place_m == place_m);
+            Self::Page(match of {
+                Some(1) => WizardPage::SecondPlace,
+                Some(2) => WizardPage::Check,
+                _ => WizardPage::FirstAnswer,
+            })
         };
         match *error {
             CalibrateError::Swapped { .. } => Self::Exchange,
@@ -38,6 +39,7 @@ impl Remedy {
             CalibrateError::DifferentSensors
             | CalibrateError::SamePlace { .. }
             | CalibrateError::EdgesUnseen { .. } => Self::Page(WizardPage::SecondPlace),
+            CalibrateError::CheckDiffers { .. } => Self::Page(WizardPage::Check),
             CalibrateError::OutOfRange(_)
             | CalibrateError::WrongCount(_)
             | CalibrateError::Plate(_)
@@ -50,7 +52,6 @@ impl Remedy {
             | CalibrateError::EdgesUnlike { .. }
             | CalibrateError::AnotherPlate { .. }
             | CalibrateError::EdgesGive { .. }
-            | CalibrateError::CheckDiffers { .. }
             | CalibrateError::ImplausibleFeeling { .. }
             | CalibrateError::CloseMarks { .. }
             | CalibrateError::EdgesOpen { .. }
@@ -74,6 +75,9 @@ impl Remedy {
             }
             Self::Page(WizardPage::SecondPlace | WizardPage::Result) => {
                 "Put the same sensor at the second place again, see that its light is green, and measure there once more."
+            }
+            Self::Page(WizardPage::Check) => {
+                "Put the same sensor at the third place again, see that its light is green, and measure there once more."
             }
             Self::Page(WizardPage::Plate) => {
                 "Take everything off the plate, check that it is the plate of this file, and measure its widths and \

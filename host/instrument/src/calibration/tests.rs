@@ -43,6 +43,19 @@ fn the_pages_follow_each_other_and_wait_for_the_answers() {
         calibration.job(400e3).unwrap().sensors.map(|measurement| measurement.place_m)
     };
     assert_eq!(places(&calibration), [0.1, 0.2]);
+    // The check is beside the result: it may be left out.
+    let checked_m =
+        |calibration: &CalibrationWizard| calibration.job(400e3).unwrap().check.map(|it| it.place_m);
+    calibration.step = WizardPage::Check;
+    assert_eq!(
+        (calibration.step.next(), calibration.step.back()),
+        (Some(WizardPage::Result), Some(WizardPage::Result))
+    );
+    assert_eq!((calibration.obstacle(), checked_m(&calibration)), (None, None));
+    calibration.take_answer(2, answer(0.15));
+    assert_eq!(checked_m(&calibration), Some(0.15));
+    calibration.leave_check_out();
+    assert_eq!(checked_m(&calibration), None);
     calibration.exchange();
     assert_eq!(places(&calibration), [0.2, 0.1]);
     let other = Arc::new(slipline_plate::preset("al-bending").unwrap());
@@ -55,6 +68,7 @@ fn calipers_move_the_places_and_impossible_ones_are_refused() {
     let mut calibration = calibration();
     // Beyond the third width mode, which propagates to 0.27 of the length, and before the last boundary.
     let of_plate = calibration.places_m();
+    assert!(of_plate[..2].iter().all(|place_m| (place_m - of_plate[2]).abs() > 0.015), "{of_plate:?}");
     assert!(of_plate[0] >= 0.086 && of_plate[0] < of_plate[1] && of_plate[1] < 0.28, "{of_plate:?}");
     let of_file = calibration.calipers_of_file();
     let longer = Calipers { length_m: 0.33, ..of_file };
@@ -71,13 +85,14 @@ fn calipers_move_the_places_and_impossible_ones_are_refused() {
 
 #[test]
 fn a_refusal_leads_to_the_page_of_its_cause() {
-    let (first, second) = (measurement(0.03), measurement(0.17));
-    let remedy = |error: CalibrateError| Remedy::of(&error, [&first, &second]);
+    let (first, second, third) = (measurement(0.03), measurement(0.17), measurement(0.1));
+    let remedy = |error: CalibrateError| Remedy::of(&error, [&first, &second], Some(&third));
     for (error, page) in [
         (CalibrateError::NoSignal { place_m: 0.03 }, WizardPage::FirstAnswer),
         (CalibrateError::NoSignal { place_m: 0.17 }, WizardPage::SecondPlace),
         (CalibrateError::Clipped { place_m: 0.17, count: 1, of: 9 }, WizardPage::SecondPlace),
         (CalibrateError::Misplaced { place_m: 0.03, found_m: 0.04 }, WizardPage::FirstAnswer),
+        (CalibrateError::Clipped { place_m: 0.1, count: 1, of: 9 }, WizardPage::Check),
         (CalibrateError::DifferentSensors, WizardPage::SecondPlace),
         (CalibrateError::NoFit, WizardPage::Plate),
         (CalibrateError::Unlike { chi2_per_n: 20.0, most: 6.0 }, WizardPage::Plate),

@@ -1,4 +1,4 @@
-//! A calibration from two places of a sensor, in the background.
+//! A calibration from two places of a sensor, or from two and a third as a check, in the background.
 
 use crate::calibration::name::named_calibrated;
 use crate::calibration::remedy::Remedy;
@@ -6,7 +6,7 @@ use crate::calipers::with_calipers;
 use slipline_model::jobs::Task;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{
-    CalibrateError, Calibrated, Calipers, Departure, Measurement, departure, from_ratio,
+    CalibrateError, Calibrated, Calipers, Departure, Measurement, departure, from_checked_ratio, from_ratio,
 };
 use std::sync::Arc;
 
@@ -23,6 +23,8 @@ pub struct CalibrateJob {
     pub calipers: Option<Calipers>,
     /// The responses at the first and at the second place.
     pub sensors: [Arc<Measurement>; 2],
+    /// The response at the third place, as a check.
+    pub check: Option<Arc<Measurement>>,
     /// Sample rate of the device whose table is judged, in Hz.
     pub sample_rate_hz: f64,
 }
@@ -32,6 +34,7 @@ impl PartialEq for CalibrateJob {
         Arc::ptr_eq(&self.plate, &other.plate)
             && self.calipers == other.calipers
             && self.sensors.iter().zip(&other.sensors).all(|(a, b)| Arc::ptr_eq(a, b))
+            && self.check.as_ref().map(Arc::as_ptr) == other.check.as_ref().map(Arc::as_ptr)
             && self.sample_rate_hz == other.sample_rate_hz
     }
 }
@@ -69,7 +72,7 @@ pub fn work(job: CalibrateJob, task: &Task) -> Option<CalibrateDone> {
     }
     let result = calibrate(&job, task).transpose()?;
     let result = result.map(Arc::new).map_err(|error| {
-        let remedy = Remedy::of(&error, [&job.sensors[0], &job.sensors[1]]);
+        let remedy = Remedy::of(&error, [&job.sensors[0], &job.sensors[1]], job.check.as_deref());
         Refused { reason: error.to_string(), remedy }
     });
     task.report(1.0).then_some(result)
@@ -77,7 +80,11 @@ pub fn work(job: CalibrateJob, task: &Task) -> Option<CalibrateDone> {
 
 fn calibrate(job: &CalibrateJob, task: &Task) -> Result<Option<CalibrationResult>, CalibrateError> {
     let (nominal, priors) = with_calipers(&job.plate, job.calipers)?;
-    let calibrated = from_ratio(&nominal, [&job.sensors[0], &job.sensors[1]], &priors)?;
+    let sensors = [&*job.sensors[0], &*job.sensors[1]];
+    let calibrated = match &job.check {
+        Some(check) => from_checked_ratio(&nominal, sensors, check, &priors)?,
+        None => from_ratio(&nominal, sensors, &priors)?,
+    };
     if !task.report(FIT_SHARE) {
         return Ok(None);
     }

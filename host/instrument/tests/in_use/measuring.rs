@@ -122,13 +122,14 @@ fn each_answer_is_shown_as_it_comes_and_lies_on_the_curve_of_the_simulated_plate
     };
     session.until("the model's curve is computed", is_computed);
     while let Some(so_far) = session.instrument.shown().measure.live.so_far {
-        let (model, heard) = (so_far.model_db(), so_far.heard_db());
-        assert_eq!((model.len(), so_far.planned.len()), (60, 60));
-        for [hertz, level_db] in &heard {
-            let [_, model_db] = model.iter().find(|at| (at[0] - hertz).abs() < 1e-6).expect("it was planned");
+        let levels = so_far.levels_db();
+        assert_eq!((levels.model.len(), so_far.planned.len()), (60, 60));
+        for [hertz, level_db] in &levels.measured {
+            let [_, model_db] =
+                levels.model.iter().find(|at| (at[0] - hertz).abs() < 1e-6).expect("it was planned");
             worst_db = worst_db.max((level_db - model_db).abs());
         }
-        counts.push(heard.len());
+        counts.push(levels.measured.len());
         session.pass(100);
     }
     counts.dedup();
@@ -244,7 +245,7 @@ fn the_sensor_is_seen_while_it_is_put_in_its_place() {
 fn the_calibrations_pages_measure_too() {
     let mut session = Session::sensed(Half(2));
     open_calibration(&mut session, WizardPage::FirstAnswer);
-    let [proposed_m, _] = CalibrationWizard::of(&session.instrument.desk.setup().plate).places_m();
+    let [proposed_m, ..] = CalibrationWizard::of(&session.instrument.desk.setup().plate).places_m();
     assert_eq!(session.instrument.shown().measure.live.draft.place_m, proposed_m);
     let answer = |session: &Session| {
         let calibration = session.instrument.shown().calibration.unwrap().calibration.clone();

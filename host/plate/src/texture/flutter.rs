@@ -59,9 +59,7 @@ impl Texture {
             })
             .collect();
         let median = |value: fn(&Swing) -> f64| {
-            let mut values: Vec<f64> = places.iter().map(|(_, swing)| value(swing)).collect();
-            values.sort_by(f64::total_cmp);
-            values.get(values.len() / 2).copied().unwrap_or(0.0)
+            crate::order::median(places.iter().map(|(_, swing)| value(swing)).collect()).unwrap_or(0.0)
         };
         let (largest_at_m, largest_db) = places
             .iter()

@@ -91,6 +91,30 @@ fn a_plate_that_is_four_per_cent_off_is_calibrated_used_and_taken_back() {
 }
 
 #[test]
+fn a_third_place_checks_the_result_and_may_be_left_out() {
+    let mut app = TestApp::driving();
+    go_through(&mut app, &answers(1.04));
+    assert!(app.shows("A third measurement, at") && !app.shows("Checked by"));
+    press(&mut app, "Check at a third place…");
+    assert!(
+        app.shows("Calibrate: a third place, as a check") && app.is_enabled("Next"),
+        "it may be left out"
+    );
+    let third_m = CalibrationWizard::of(&app.window.state().setup().plate).places_m()[2];
+    assert!(app.shows(&format!("The sensor's place: {}", show_place(third_m))));
+    open_answer(&mut app, "third.csv", &measured(&membrane(1.04), third_m, 12.0));
+    press(&mut app, "Next");
+    assert!(app.shows(&format!("Checked by a third measurement, at {}", show_place(third_m))));
+    // One of another plate refuses what two places accepted.
+    press(&mut app, "Check at a third place again…");
+    open_answer(&mut app, "other.csv", &measured(&membrane(1.02), third_m, 12.0));
+    press(&mut app, "Next");
+    assert!(app.shows("No plate file was made"));
+    press(&mut app, "Leave the check out");
+    assert!(app.shows("Boundary off by") && app.shows("A third measurement, at"));
+}
+
+#[test]
 fn each_page_leads_on_back_and_out_and_waits_for_its_answer() {
     let mut app = TestApp::driving();
     let both = answers(1.02);
@@ -184,7 +208,7 @@ fn calipers_move_the_places_and_one_that_cannot_be_is_refused_at_its_field() {
     let of_file_m = calibration.places_m();
     let shorter = Calipers { length_m: 0.3, ..calibration.calipers_of_file() };
     calibration.take_calipers(Some(shorter)).unwrap();
-    let [place_m, _] = calibration.places_m();
+    let [place_m, ..] = calibration.places_m();
     assert_ne!(place_m, of_file_m[0]);
     open_calibration(&mut app);
     app.click("I measured width and length with calipers", 200);

@@ -53,8 +53,9 @@ pub(crate) fn checks() -> JobQueue<CheckJob, Checked> {
 pub(crate) fn calibrations() -> JobQueue<CalibrateJob, CalibrateDone> {
     static KNOWN: Mutex<Vec<(CalibrateJob, CalibrateDone)>> = Mutex::new(Vec::new());
     let is_same = |a: &CalibrateJob, b: &CalibrateJob| {
-        (a.calipers, &a.sensors, a.sample_rate_hz) == (b.calipers, &b.sensors, b.sample_rate_hz)
-            && a.plate == b.plate
+        let known =
+            |job: &CalibrateJob| (job.calipers, job.sensors.clone(), job.check.clone(), job.sample_rate_hz);
+        known(a) == known(b) && a.plate == b.plate
     };
     knowing(&KNOWN, is_same, calibrate::work, |_, done| done)
 }

@@ -3,7 +3,7 @@
 use crate::calibration::WizardPage;
 use slipline_plate::calibrate::Calipers;
 
-/// A request of the calibration's pages. The sensor's first place is 0, its second 1.
+/// A request of the calibration's pages. The sensor's first place is 0, its second 1, that of the check 2.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CalibrateIntent {
     /// Open the pages: a new calibration, or the one that was closed.
@@ -18,6 +18,8 @@ pub enum CalibrateIntent {
     OpenAnswer,
     /// Use the measurement of this number as the response at this place.
     TakeAnswer(usize, u64),
+    /// Do without the check of a third place.
+    LeaveCheckOut,
     /// Swap the two responses.
     Exchange,
     /// Put the calibrated plate in the setup.

@@ -38,7 +38,7 @@ impl Calibrating {
     /// Whether the user places the sensor or measures on the open page.
     pub(super) fn has_sensor_in_hand(&self) -> bool {
         let step = self.wizard.as_ref().map(|calibration| calibration.step);
-        matches!(step, Some(WizardPage::FirstPlace | WizardPage::FirstAnswer | WizardPage::SecondPlace))
+        step.is_some_and(|step| step == WizardPage::FirstPlace || step.sensor().is_some())
     }
 
     fn found(&self) -> Option<&Arc<CalibrationResult>> {
@@ -88,6 +88,7 @@ impl Lab {
             }
             CalibrateIntent::OpenAnswer => reach.out.push(Output::ChooseMeasurement),
             CalibrateIntent::TakeAnswer(sensor, number) => self.take_answer(sensor, number),
+            CalibrateIntent::LeaveCheckOut => calibration.leave_check_out(),
             CalibrateIntent::Exchange => calibration.exchange(),
             CalibrateIntent::Use => {
                 let plate = Arc::clone(&self.calibration.found()?.plate);

@@ -86,7 +86,7 @@ impl Live {
     pub(super) fn take_model(&mut self, measurements: &Measurements) {
         let Some(answers) = &mut self.course.answers_so_far else { return };
         if let Some(computed) = answers.wanted().and_then(|planned| measurements.model(planned)) {
-            answers.take(computed);
+            answers.take_model(computed);
         }
     }
 
@@ -347,7 +347,7 @@ impl Lab {
         }
         if let Some((answers, run)) = self.live.course.answers_so_far.as_mut().zip(self.live.under_way.run())
         {
-            answers.hear(run.so_far());
+            answers.take_measured(run.so_far());
         }
     }
 

@@ -1,7 +1,8 @@
-//! The course of a measurement: what it has heard so far, beside the plate's model at all frequencies of its plan.
+//! A measurement under way: the points so far, beside the plate's model at all frequencies of its plan.
 
 use slipline_model::jobs::compare::{CompareJob, Compared};
-use slipline_plate::calibrate::{Comparison, MeasuredPoint, Measurement};
+use slipline_plate::calibrate::{MeasuredPoint, Measurement};
+use slipline_plate::order::median;
 use slipline_plate::quantity::decibels;
 use slipline_plate::{Complex64, Plate};
 use std::sync::Arc;
@@ -9,82 +10,87 @@ use std::sync::Arc;
 /// Two frequencies that differ by less than this share are one.
 const SAME: f64 = 1e-9;
 
-/// The answers so far, and the model's.
+/// The points so far, and the model's.
 pub(super) struct Answers {
     /// The plate, and a measurement at the frequencies of the plan.
     planned: CompareJob,
-    /// The model's answers to them; `None` until they are computed, and where there are none.
-    model: Option<Comparison>,
-    is_computed: bool,
-    heard: Option<Arc<Measurement>>,
+    /// The model's answers to them, once they are computed.
+    model: Option<Compared>,
+    measured: Option<Arc<Measurement>>,
 }
 
 impl Answers {
-    /// The course of a measurement of this plate at the frequencies of `planned`.
+    /// Before the first point of a measurement of this plate at the frequencies of `planned`.
     pub(super) fn new(plate: &Arc<Plate>, planned: Measurement) -> Self {
         let planned = CompareJob { plate: Arc::clone(plate), measurement: Arc::new(planned) };
-        Self { planned, model: None, is_computed: false, heard: None }
+        Self { planned, model: None, measured: None }
     }
 
     /// What the model is asked for, until it has answered.
     pub(super) fn wanted(&self) -> Option<&CompareJob> {
-        (!self.is_computed).then_some(&self.planned)
+        self.model.is_none().then_some(&self.planned)
     }
 
     /// Takes the model's answer to what is [`wanted`](Self::wanted).
-    pub(super) fn take(&mut self, answer: &Compared) {
-        (self.model, self.is_computed) = (answer.clone().ok(), true);
+    pub(super) fn take_model(&mut self, answer: &Compared) {
+        self.model = Some(answer.clone());
     }
 
-    /// Takes what has been heard so far.
-    pub(super) fn hear(&mut self, heard: Option<Arc<Measurement>>) {
-        self.heard = heard;
+    /// Takes all points that are measured.
+    pub(super) fn take_measured(&mut self, measured: Option<Arc<Measurement>>) {
+        self.measured = measured;
     }
 
     pub(super) fn scene(&self) -> SoFar<'_> {
         SoFar {
             planned: &self.planned.measurement.points,
-            predicted: self.model.as_ref().map_or(&[], |model| &model.predicted),
-            heard: self.heard.as_ref().map_or(&[], |heard| &heard.points),
+            predicted: self
+                .model
+                .as_ref()
+                .and_then(|model| model.as_ref().ok())
+                .map_or(&[], |model| &model.predicted),
+            measured: self.measured.as_ref().map_or(&[], |measured| &measured.points),
         }
     }
 }
 
-/// What a measurement under way has heard, beside the plate's model.
+/// The points of a measurement under way, beside the plate's model.
 #[derive(Clone, Copy, Debug)]
 pub struct SoFar<'a> {
     /// A point for each frequency of the plan, rising; of its values only the frequency has a meaning.
     pub planned: &'a [MeasuredPoint],
-    /// The model's answer to each of them; empty until it is computed.
+    /// The model's answer to each of them; empty until it is computed, and where the model has none.
     pub predicted: &'a [Option<Complex64>],
-    /// The points that have been heard, by rising frequency.
-    pub heard: &'a [MeasuredPoint],
+    /// The points that are measured, by rising frequency.
+    pub measured: &'a [MeasuredPoint],
+}
+
+/// Levels over frequency, each as Hz and dB under the model's highest.
+pub struct Levels {
+    /// Of the model.
+    pub model: Vec<[f64; 2]>,
+    /// Of the measured points. The median of their differences from the model is taken out, because a sensor that is not
+    /// calibrated does not measure the level; without a model they are under the highest of them.
+    pub measured: Vec<[f64; 2]>,
 }
 
 impl SoFar<'_> {
-    /// The model's level over frequency, dB under its highest: Hz and dB.
+    /// The levels of the model and of the points so far.
     #[must_use]
-    pub fn model_db(&self) -> Vec<[f64; 2]> {
+    pub fn levels_db(&self) -> Levels {
         let highest = self.predicted.iter().flatten().map(|at| at.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let level_db = |value: Complex64, of: f64| decibels(value.norm().max(f64::MIN_POSITIVE) / of);
         let answers = self.planned.iter().zip(self.predicted);
-        let heard = answers.filter_map(|(point, at)| Some((point.frequency_hz, at.as_ref()?.norm())));
-        heard.map(|(hertz, level)| [hertz, decibels(level.max(f64::MIN_POSITIVE) / highest)]).collect()
-    }
-
-    /// The levels that were heard, over frequency: Hz and dB. The median of their differences from the model is taken out, because
-    /// a sensor that is not calibrated does not measure the level; without a model they are dB under the highest.
-    #[must_use]
-    pub fn heard_db(&self) -> Vec<[f64; 2]> {
-        let model = self.model_db();
-        let level = |point: &MeasuredPoint| decibels(point.response.norm().max(f64::MIN_POSITIVE));
-        let off = |point: &MeasuredPoint| {
-            let is_there = |at: &&[f64; 2]| (at[0] / point.frequency_hz - 1.0).abs() < SAME;
-            Some(level(point) - model.iter().find(is_there)?[1])
+        let model: Vec<[f64; 2]> =
+            answers.filter_map(|(point, at)| Some([point.frequency_hz, level_db((*at)?, highest)])).collect();
+        let measured: Vec<[f64; 2]> =
+            self.measured.iter().map(|point| [point.frequency_hz, level_db(point.response, 1.0)]).collect();
+        let off_db = |[hertz, db]: &[f64; 2]| {
+            let [at_hz, model_db] = model.get(model.partition_point(|at| at[0] < hertz * (1.0 - SAME)))?;
+            (*at_hz < hertz * (1.0 + SAME)).then(|| db - model_db)
         };
-        let mut off: Vec<f64> = self.heard.iter().filter_map(off).collect();
-        off.sort_by(f64::total_cmp);
-        let highest = || self.heard.iter().map(level).fold(f64::MIN, f64::max);
-        let raised = off.get(off.len() / 2).copied().unwrap_or_else(highest);
-        self.heard.iter().map(|point| [point.frequency_hz, level(point) - raised]).collect()
+        let loudest_db = || measured.iter().map(|at| at[1]).fold(f64::MIN, f64::max);
+        let raised_db = median(measured.iter().filter_map(off_db).collect()).unwrap_or_else(loudest_db);
+        Levels { measured: measured.iter().map(|[hertz, db]| [*hertz, db - raised_db]).collect(), model }
     }
 }

@@ -7,6 +7,7 @@ use super::response::prediction::predicted;
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::definition::Plate;
+use crate::order::median;
 use num_complex::Complex64;
 
 /// Median magnitude of a normal deviate over its standard deviation.
@@ -80,12 +81,6 @@ impl Comparison {
             chi2_per_n: chi2 / count.max(1) as f64,
         })
     }
-}
-
-/// The median of a list; `None` if it is empty.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 #[cfg(test)]

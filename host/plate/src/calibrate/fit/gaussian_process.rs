@@ -7,6 +7,7 @@
 //! e^(-u) [[1 + u, u], [-u, 1 - u]], and both components have the variance s^2. Both passes are linear in the values:
 //! those of a column of ones give the mean and its variance.
 
+use crate::order::median;
 use nalgebra::{Matrix2, Vector2};
 
 /// Search ranges: the standard deviation s in the unit of the values (0.009 to 26 dB for nepers); the correlation
@@ -56,9 +57,7 @@ impl Process {
             .map(|(at, _)| *at)
             .collect();
         let whole = known.last()? - known.first()?;
-        let mut apart: Vec<f64> = known.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        apart.sort_by(f64::total_cmp);
-        let shortest = LENGTHS.0 * apart.get(apart.len() / 2)?;
+        let shortest = LENGTHS.0 * median(known.windows(2).map(|pair| pair[1] - pair[0]).collect())?;
         let ranges = [SIZES, (shortest, (LENGTHS.1 * whole).max(shortest))].map(|(a, b)| (a.ln(), b.ln()));
         let likelihood = |[size, length]: [f64; 2]| {
             let process = Self { size: size.exp(), length: length.exp() };

@@ -9,6 +9,7 @@ use super::sensor::{MeasuredPoint, Measurement};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::signal::AUDIBLE;
 use crate::definition::Plate;
+use crate::order::median;
 use crate::quantity::{OutOfRange, Range};
 use crate::quantity::{decibels, number_format::significant};
 use num_complex::Complex64;
@@ -201,10 +202,8 @@ pub fn check_drive(
     if best < AUDIBLE / FEEBLE {
         return Ok(DriveCheck::TooQuiet { louder_db: decibels(AUDIBLE / FEEBLE / best) });
     }
-    let mut shares: Vec<f64> =
-        points.iter().map(|point| point.response.norm() * ampere / expected(point).norm()).collect();
-    shares.sort_by(f64::total_cmp);
-    let share = shares[shares.len() / 2];
+    let shares = points.iter().map(|point| point.response.norm() * ampere / expected(point).norm()).collect();
+    let share = median(shares).unwrap_or_default();
     if points.iter().any(|point| point.headroom_db.is_some_and(|headroom| headroom <= 0.0)) {
         return Ok(DriveCheck::Short { share });
     }

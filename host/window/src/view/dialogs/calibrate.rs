@@ -48,11 +48,12 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             signal::show(ui, scene, intents);
         }
         WizardPage::FirstAnswer => answer(ui, scene, view, calibration, 0, intents),
-        WizardPage::SecondPlace => {
-            place(ui, calibration, 1);
+        WizardPage::SecondPlace | WizardPage::Check => {
+            let sensor = if step == WizardPage::Check { 2 } else { 1 };
+            place(ui, calibration, sensor);
             signal::show(ui, scene, intents);
             ui.add_space(6.0);
-            answer(ui, scene, view, calibration, 1, intents);
+            answer(ui, scene, view, calibration, sensor, intents);
         }
         WizardPage::Result => result::show(ui, shown, intents),
     }

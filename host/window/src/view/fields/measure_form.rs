@@ -133,8 +133,8 @@ fn settings(
         if let Some(place_m) = place(ui, typed, &mut reason, field, at) {
             ask(MeasureIntent::Draft(MeasureDraft { place_m, ..draft }));
         }
-        // At the second place nothing but the place may differ.
-        ui.add_enabled_ui(answers != Some(1), |ui| {
+        // At the places after the first nothing but the place may differ.
+        ui.add_enabled_ui(answers.is_none_or(|sensor| sensor == 0), |ui| {
             let field = (
                 "Level",
                 "The limit of the sum of all tones, as a share of full scale: 0.001 to 1, or in dB",

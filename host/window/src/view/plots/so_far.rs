@@ -22,8 +22,8 @@ pub(super) fn show(ui: &mut egui::Ui, so_far: &SoFar<'_>) {
     let is_high = high.frequency_hz >= KILOHERTZ_FROM;
     let (unit, scale) = if is_high { ("kHz", 1e-3) } else { ("Hz", 1.0) };
     let x = (scale * low.frequency_hz, scale * high.frequency_hz);
-    let model = so_far.model_db();
-    let lowest_db = model.iter().map(|at| at[1]).fold(-STEP_DB, f64::min);
+    let levels = so_far.levels_db();
+    let lowest_db = levels.model.iter().map(|at| at[1]).fold(-STEP_DB, f64::min);
     let y = (STEP_DB * (lowest_db / STEP_DB - 1.0).floor(), HIGHEST_DB);
     let frame = Frame { name: "measured so far", x, y, unit, logarithmic: None };
     let values = move |at: egui_plot::PlotPoint| {
@@ -34,10 +34,10 @@ pub(super) fn show(ui: &mut egui::Ui, so_far: &SoFar<'_>) {
     };
     let shown = plot(&frame, palette, false, values).show(ui, |plot| {
         steer(plot, [x, y]);
-        let model = Line::new("model", placed(model)).color(palette.accent).width(1.4);
+        let model = Line::new("model", placed(levels.model)).color(palette.accent).width(1.4);
         plot.line(model.allow_hover(false));
-        let heard = Points::new("measured", placed(so_far.heard_db())).color(palette.text).radius(DOT);
-        plot.points(heard.allow_hover(false));
+        let measured = Points::new("measured", placed(levels.measured)).color(palette.text).radius(DOT);
+        plot.points(measured.allow_hover(false));
     });
     let words = words(so_far);
     let corner = *shown.transform.frame();
@@ -49,9 +49,9 @@ pub(super) fn show(ui: &mut egui::Ui, so_far: &SoFar<'_>) {
 
 /// The number of answers so far, and what is drawn.
 fn words(so_far: &SoFar<'_>) -> String {
-    let (heard, all) = (so_far.heard.len(), so_far.planned.len());
-    if heard == 0 {
+    let (measured, all) = (so_far.measured.len(), so_far.planned.len());
+    if measured == 0 {
         return format!("model: line; the first of {all} answers is awaited");
     }
-    format!("model: line; measured: {heard} of {all}, level fitted")
+    format!("model: line; measured: {measured} of {all}, level fitted")
 }

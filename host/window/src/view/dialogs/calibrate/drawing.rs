@@ -59,8 +59,9 @@ pub(super) fn show(ui: &mut egui::Ui, calibration: &CalibrationWizard, sensor: u
     for i in 0..=sensor {
         let ink = if i == sensor { palette.accent } else { palette.weak };
         let (place_m, x) = (place_m(i), across(i));
-        // Of two places close to each other, the words stand at the outer sides.
-        let apart = if sensor > 0 { x - across(1 - i) } else { f32::INFINITY };
+        // Of places close to each other, the words stand at the outer sides.
+        let others = (0..=sensor).filter(|other| *other != i).map(|other| x - across(other));
+        let apart = others.min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f32::INFINITY);
         let (aligned, aside) = match apart {
             _ if apart.abs() > WORDS => (Align2::CENTER_TOP, 0.0),
             _ if apart > 0.0 => (Align2::LEFT_TOP, ASIDE),

@@ -6,7 +6,7 @@ use crate::intent::{Asks as _, CalibrateIntent, Intent, Intents};
 use crate::scene::CalibrateScene;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
-use slipline_instrument::calibration::Remedy;
+use slipline_instrument::calibration::{CalibrationWizard, Remedy, WizardPage};
 use slipline_instrument::jobs::calibrate::{CalibrationResult, Refused};
 use slipline_plate::calibrate::Parameter;
 use slipline_plate::quantity::number_format::{significant, with_decimals};
@@ -20,13 +20,17 @@ pub(super) fn show(ui: &mut egui::Ui, shown: &CalibrateScene<'_>, intents: &mut 
                 ui.add(egui::ProgressBar::new(share).desired_height(8.0));
             }
         }
-        Some(Err(refused)) => why_not(ui, refused, intents),
-        Some(Ok(found)) => accepted(ui, found),
+        Some(Err(refused)) => why_not(ui, refused, shown.calibration, intents),
+        Some(Ok(found)) => {
+            accepted(ui, found);
+            ui.add_space(4.0);
+            check(ui, shown.calibration, intents);
+        }
     }
 }
 
 /// Why there is no calibrated plate, and what to do.
-fn why_not(ui: &mut egui::Ui, refused: &Refused, intents: &mut Intents) {
+fn why_not(ui: &mut egui::Ui, refused: &Refused, calibration: &CalibrationWizard, intents: &mut Intents) {
     let palette = theme::palette(ui);
     wrapped(ui, RichText::new("No plate file was made, and the plate stays as it is.").strong());
     ui.add_space(2.0);
@@ -35,11 +39,40 @@ fn why_not(ui: &mut egui::Ui, refused: &Refused, intents: &mut Intents) {
     wrapped(ui, refused.remedy.sentence());
     let (name, intent) = match refused.remedy {
         Remedy::Exchange => ("Exchange them".to_owned(), CalibrateIntent::Exchange),
+        Remedy::Page(step @ WizardPage::Check) => {
+            ("Back to the third place".to_owned(), CalibrateIntent::Page(step))
+        }
         Remedy::Page(step) => (format!("Back to page {}", step.number()), CalibrateIntent::Page(step)),
     };
     let help = ui.add(theme::primary(ui, &name, true));
     help.on_hover_text("Apply the proposed remedy; your entries stay")
         .asks(intents, Intent::Calibrate(intent));
+    if calibration.answer(2).is_some() {
+        ui.button("Leave the check out")
+            .on_hover_text("The calibration by the two places alone")
+            .asks(intents, Intent::Calibrate(CalibrateIntent::LeaveCheckOut));
+    }
+}
+
+/// The offer of a third place that checks the result, or where it was checked.
+fn check(ui: &mut egui::Ui, calibration: &CalibrationWizard, intents: &mut Intents) {
+    let place = show_place(calibration.places_m()[2]);
+    let (text, name) = match calibration.answer(2) {
+        Some(answer) => {
+            let place = show_place(answer.measurement.place_m);
+            (format!("Checked by a third measurement, at {place}."), "Check at a third place again…")
+        }
+        None => {
+            let text = format!(
+                "A third measurement, at {place}, checks this result: its interval widens, or it is refused."
+            );
+            (text, "Check at a third place…")
+        }
+    };
+    wrapped(ui, text);
+    ui.button(name)
+        .on_hover_text("A page for the same sensor at a third place; this result stays")
+        .asks(intents, Intent::Calibrate(CalibrateIntent::Page(WizardPage::Check)));
 }
 
 fn accepted(ui: &mut egui::Ui, found: &CalibrationResult) {
