@@ -309,7 +309,7 @@ pub(crate) fn fetched() -> u32 {
 /// Sets the DAC to mid-scale at once and until the reset, from any state of the program: for the fault handlers.
 pub(crate) fn silence() {
     SAMPLE_TIMER.cr1().modify(|w| w.set_cen(false));
-    // Without trigger the value goes through to the pin one APB cycle later.
+    // Without a trigger, a value reaches the pin one APB cycle after it is written.
     pac::DAC1.cr().modify(|w| {
         w.set_ten(0, false);
         w.set_dmaen(0, false);

@@ -228,7 +228,7 @@ impl Dialogue {
         *progress = Progress { done, all, running, ..*progress };
     }
 
-    /// States what a measurement has heard so far.
+    /// Publishes the points measured so far.
     pub(super) fn heard(&self, so_far: Measurement) {
         self.0.borrow_mut().so_far = Some(Arc::new(so_far));
     }

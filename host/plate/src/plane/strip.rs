@@ -40,7 +40,7 @@ pub(super) fn width_numbers(plate: &Plate) -> [f64; 2] {
 
 /// The bending stiffness D in N m, or the tension per width in N/m (1 where the plate file does not state it).
 ///
-/// Where shear and rotary inertia are included, D is the value that gives a wave with Mindlin's K its right power:
+/// Where shear and rotary inertia are included, D is the value at which a wave with Mindlin's K carries the true power:
 /// rho h omega/(K^2 dK^2/d omega), which is D itself for a thin plate; omega is that of the same K in vacuum.
 pub(super) fn modulus(plate: &Plate, frequency_hz: f64) -> f64 {
     let (model, width_mode) = (&plate.spec().model, plate.width_mode(1));

@@ -1,4 +1,4 @@
-//! Fields for what the user states of a sensor: its place, its kind, a number of its measurement.
+//! Fields in which the user describes a sensor: its place, its kind and the numbers of its measurement.
 
 use crate::view::fields::choice::choice_under;
 use crate::view::fields::field::InputField;
