@@ -122,7 +122,7 @@ class Updates(unittest.TestCase):
         controlled(page)
         return page, errors
 
-    def test_a_page_that_was_assembled_assembles_to_the_same_bytes(self):
+    def test_assembling_an_assembled_page_gives_the_same_bytes(self):
         again = self.folder / "again"
         assemble(self.first, again)
         names = sorted(path.name for path in self.first.iterdir())

@@ -146,7 +146,7 @@ fn the_travel_matches_each_tones_own_frequency() {
 }
 
 #[test]
-fn a_drive_takes_its_tones_along_and_the_mirror_plays_all_of_it() {
+fn a_drive_takes_over_a_combs_tones_and_the_mirror_replays_every_code() {
     let mut loopback = Loopback::connect(RATE_HZ).unwrap();
     let knots = (0..=64).map(|i| (60e3 - 625.0 * f64::from(i), 0.5 + f64::from(i) / 128.0));
     let table = DeviceTable::from_knots((0.08, 0.27), f64::from(RATE_HZ), knots, 1e-6).unwrap();

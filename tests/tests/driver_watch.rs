@@ -158,7 +158,7 @@ fn an_upload_under_way_goes_on_and_the_device_is_disarmed_between_its_chunks() {
 }
 
 #[test]
-fn the_link_wants_to_be_called_when_a_question_or_the_stop_is_due() {
+fn the_link_asks_to_be_called_when_a_question_or_the_stop_is_due() {
     let mut rig = driving();
     hang_after_a_sign(&mut rig);
     let mut asked = rig.signs_wanted;

@@ -368,7 +368,7 @@ fn a_chord_that_only_its_proof_allows_is_not_corrected() {
 
 /// An emergency stop that comes at any block of the hold's work begins as soon as in a device that holds nothing.
 #[test]
-fn an_emergency_stop_is_as_fast_as_without() {
+fn an_emergency_stop_is_as_fast_as_without_a_hold() {
     let delay = |is_holding: bool, blocks: u64, block_waits: bool| -> (SampleIndex, SampleIndex) {
         let options = Options { block_waits, ..Options::default() };
         let (mut rig, finger) = touched(options);

@@ -191,7 +191,7 @@ fn the_older_profile_limits_until_a_hand_on_the_board_accepts_it() {
 }
 
 #[test]
-fn where_a_profile_is_kept_the_bootloader_wants_the_button() {
+fn where_a_profile_is_kept_the_bootloader_needs_the_button() {
     // the next image would know nothing of it.
     for minor in 0..=3 {
         let mut rig = Rig::new(Options { flash: flash_with(quiet()), ..Options::default() });

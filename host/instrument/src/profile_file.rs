@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_recognised_by_any_of_its_fields_and_no_other_text_is() {
+    fn a_profile_is_recognised_by_any_of_its_fields_and_no_other_text_is() {
         let whole = write(&read("name = \"x\"\nmax_sum = 0.5").unwrap());
         for text in ["max_sum = 2.0", "name = \"x\"\n[travel]\nquality = 2.0", whole.as_str()] {
             assert!(is_one(text), "{text}");

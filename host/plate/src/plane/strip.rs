@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mode_that_decays_at_once_is_none() {
+    fn an_evanescent_mode_is_left_out() {
         let section = section(Edges::Supported, 6);
         let squared: f64 = 1.3 * (std::f64::consts::PI / (2.0 * W)).powi(2);
         assert!(mode(&section, W.ln(), squared * squared, 0).is_some_and(|mode| mode.square > 0.0));

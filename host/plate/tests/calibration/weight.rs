@@ -102,7 +102,7 @@ fn case(name: &'static str, seed: u64) -> Case {
 }
 
 #[test]
-fn a_sensor_that_weighs_calibrates_a_plate_once_its_mass_is_stated() {
+fn a_sensor_with_mass_calibrates_a_plate_once_its_mass_is_stated() {
     // Without its mass in the file the same sensor is refused.
     let (unstated, _) = case("tungsten-membrane", 1).run(0.25, 0.0);
     assert!(unstated.is_err(), "{unstated:?}");
@@ -122,7 +122,7 @@ fn a_sensor_too_heavy_for_the_plate_is_refused_by_its_mass() {
 }
 
 #[test]
-fn one_sensor_that_weighs_finds_plate_and_source() {
+fn one_sensor_with_mass_determines_plate_and_source() {
     let case = case("tungsten-membrane", 3);
     let (rig, mut random) = case.rig();
     let places = case.places(&rig.nominal);

@@ -90,7 +90,7 @@ fn a_window_that_is_over_is_taken_by_the_next_tick_and_its_levels_glide() {
 }
 
 #[test]
-fn what_it_publishes_is_no_act_of_the_user() {
+fn what_a_hold_publishes_is_no_act_of_the_user() {
     //
     let mut rig = holding();
     let max_drive = rig.controller.timing().max_drive;

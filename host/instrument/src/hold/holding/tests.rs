@@ -255,7 +255,7 @@ fn codes_that_were_lost_are_listened_to_again_but_not_for_ever() {
 }
 
 #[test]
-fn what_the_user_does_ends_it_and_the_device_is_released() {
+fn an_act_of_the_user_ends_the_hold_and_the_device_is_released() {
     for end in [HoldEnd::Stopped, HoldEnd::Measured] {
         let mut bench = Bench::holding();
         bench.asked();
