@@ -26,7 +26,7 @@ def device(plate: slipline.Plate) -> Iterator[slipline.Device]:
         yield device
 
 
-def test_its_status_has_the_fields_of_the_command_lines_info() -> None:
+def test_a_devices_status_has_the_fields_of_the_command_lines_info() -> None:
     command = [str(binary()), "info", "--port", "sim", "--json"]
     info = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     status = slipline.connect("sim").status().to_dict()
@@ -199,7 +199,7 @@ def test_a_device_without_inputs_neither_measures_nor_holds(device: slipline.Dev
         device.hold()
 
 
-def test_its_codes_match_the_mirror(device: slipline.Device) -> None:
+def test_a_devices_codes_match_the_mirror(device: slipline.Device) -> None:
     verified = device.verify(tones=3, window_s=0.05)
     assert verified.equal and [window.equal for window in verified.windows] == [True] * 4
     assert device.status().state == "Idle"

@@ -29,7 +29,7 @@ fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
 }
 
 #[test]
-fn its_tones_are_exact_and_have_the_gain_of_the_nearest_place() {
+fn a_combs_tones_are_exact_and_have_the_gain_of_the_nearest_place() {
     let mut rig = Rig::armed();
     let at = rig.accepted(&Command::Comb(example()));
     rig.live_ms(6);
@@ -52,7 +52,7 @@ fn its_tones_are_exact_and_have_the_gain_of_the_nearest_place() {
 }
 
 #[test]
-fn its_phases_hold_over_a_period_of_seconds() {
+fn a_combs_phases_hold_over_a_period_of_seconds() {
     // The longest period: 21 s, 0.048 Hz. One tone of 19 999.97 Hz, whose step no 32 bits hold.
     let mut rig = Rig::armed();
     let harmonic = 65_535;

@@ -11,8 +11,8 @@
 //! from software. Latency: a block is rendered when a half becomes free, and sounds one block later (128 codes = 320 us
 //! at 400 kS/s).
 //!
-//! A missed deadline shows in two ways. Both are reported as [`Underrun`], the late block is not played, and what is heard
-//! is one line to mid-scale:
+//! A missed deadline shows in two ways. Both are reported as [`Underrun`], the late block is not played, and the output
+//! goes to mid-scale in one line:
 //! * the renderer is late: the DMA enters, or is about to enter, a half that was not written. It then plays the line that
 //!   the interrupt put there; see `ring`.
 //! * the DMA is late: the DAC's next trigger comes before the DMA has answered the last request. The DAC sets DMAUDR,

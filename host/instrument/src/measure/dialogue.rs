@@ -39,7 +39,7 @@ pub(super) struct State {
     /// The plate's own table, while the device may hold another.
     pub(super) own_table: Option<Arc<DeviceTable>>,
     progress: Progress,
-    /// What a measurement has heard so far.
+    /// The points that a measurement has so far.
     pub(super) so_far: Option<Arc<Measurement>>,
     pub(super) is_checking: bool,
     /// Whether the last request was a stop and has been carried out.

@@ -42,7 +42,7 @@ fn wait_for(app: &mut TestApp, part: &str) {
 }
 
 #[test]
-fn its_switch_is_offered_by_a_device_that_can_listen_and_what_is_held_is_shown() {
+fn the_holds_switch_is_offered_by_a_device_that_can_listen_and_held_tones_are_shown() {
     assert!(!TestApp::driving().shows("Hold the level"));
     let (mut app, shows) = sensed();
     assert!(!is_on(&app) && !app.shows("Listening") && !app.shows("Holding"));

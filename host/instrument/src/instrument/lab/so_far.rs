@@ -1,4 +1,4 @@
-//! The course of a measurement: what it has heard so far, beside the plate's model at all frequencies of its plan.
+//! The course of a measurement: the points measured so far, beside the plate's model at all frequencies of its plan.
 
 use slipline_model::jobs::compare::{CompareJob, Compared};
 use slipline_plate::calibrate::{Comparison, MeasuredPoint, Measurement};
@@ -26,7 +26,7 @@ impl Answers {
         Self { planned, model: None, is_computed: false, heard: None }
     }
 
-    /// What the model is asked for, until it has answered.
+    /// The job for the model, until its answer is taken.
     pub(super) fn wanted(&self) -> Option<&CompareJob> {
         (!self.is_computed).then_some(&self.planned)
     }
@@ -36,7 +36,7 @@ impl Answers {
         (self.model, self.is_computed) = (answer.clone().ok(), true);
     }
 
-    /// Takes what has been heard so far.
+    /// Takes the points measured so far.
     pub(super) fn hear(&mut self, heard: Option<Arc<Measurement>>) {
         self.heard = heard;
     }
@@ -50,14 +50,14 @@ impl Answers {
     }
 }
 
-/// What a measurement under way has heard, beside the plate's model.
+/// The points of a measurement under way, beside the plate's model.
 #[derive(Clone, Copy, Debug)]
 pub struct SoFar<'a> {
     /// A point for each frequency of the plan, rising; of its values only the frequency has a meaning.
     pub planned: &'a [MeasuredPoint],
     /// The model's answer to each of them; empty until it is computed.
     pub predicted: &'a [Option<Complex64>],
-    /// The points that have been heard, by rising frequency.
+    /// The points measured so far, by rising frequency.
     pub heard: &'a [MeasuredPoint],
 }
 
@@ -71,7 +71,7 @@ impl SoFar<'_> {
         heard.map(|(hertz, level)| [hertz, decibels(level.max(f64::MIN_POSITIVE) / highest)]).collect()
     }
 
-    /// The levels that were heard, over frequency: Hz and dB. The median of their differences from the model is taken out, because
+    /// The measured levels over frequency: Hz and dB. The median of their differences from the model is taken out, because
     /// a sensor that is not calibrated does not measure the level; without a model they are dB under the highest.
     #[must_use]
     pub fn heard_db(&self) -> Vec<[f64; 2]> {

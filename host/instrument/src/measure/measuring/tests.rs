@@ -233,7 +233,7 @@ fn answers_that_are_not_clear_are_averaged_over_as_many_windows_as_they_need() {
     let tones = loudness::tones(&measuring.plan.combs[0], &table, f64::from(RATE_HZ), measuring.plan.level);
     let codes = |tone: &Tone| 2048.0 * tone.amplitude * response(tone.frequency_hz).norm();
     let weakest = tones.iter().map(codes).fold(f64::INFINITY, f64::min);
-    // The second window hears three times as much.
+    // The second window answers with three times the amplitude.
     let heard_at = |over_noise: f64| {
         let (mut measuring, table) = self::measuring(16);
         let mut device = Ideal::new(&table);
