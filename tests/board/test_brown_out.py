@@ -137,7 +137,7 @@ def test_the_level_is_not_written_while_armed_at_a_low_supply_or_on_a_protected_
 
 
 @on_f407
-def test_a_new_session_does_not_keep_it_from_restarting(rig):
+def test_a_new_session_does_not_keep_the_device_from_restarting(rig):
     delivered(rig)
     press(rig)
     rig.board.resets.clear()

@@ -74,7 +74,7 @@ def test_a_region_that_is_moved_leaves_its_old_place(guarded):
     assert not does(guarded, STORE, END)
 
 
-def test_a_reset_switches_it_off(guarded):
+def test_a_reset_switches_the_mpu_off(guarded):
     assert guarded.read(MPU_TYPE) == 8 << 8
     guarded.board.reset("pin")
     assert guarded.read(MPU_CTRL) == 0

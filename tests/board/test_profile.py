@@ -66,7 +66,7 @@ def is_limited_to_old(rig):
 
 @pytest.mark.nightly
 @pytest.mark.every_image
-def test_forget_leaves_it(rig):
+def test_forget_leaves_the_profile(rig):
     """R-79."""
     rig.host.connect()
     write(rig, OLD)

@@ -63,7 +63,7 @@ fn an_armed_device_gives_no_token_and_takes_none() {
 }
 
 #[test]
-fn no_other_command_leads_there() {
+fn no_other_command_leads_into_the_bootloader() {
     // the matrix.
     let mut rig = Rig::greeted();
     for command in every_command() {

@@ -48,7 +48,7 @@ fn table() -> DeviceTable {
 }
 
 #[test]
-fn the_peak_that_the_device_proves_is_the_one_that_the_host_computes_and_the_one_that_is_sent() {
+fn the_proven_peak_matches_the_hosts_and_that_of_the_sent_codes() {
     let mut rig = Rig::armed();
     let begin = rig.accepted(&Command::Chord(loud()));
     rig.live_ms(10);

@@ -97,7 +97,7 @@ fn the_repeat_of_a_stop_does_not_end_a_drive_requested_after_it() {
 }
 
 #[test]
-fn the_repeat_of_an_emergency_stop_does_not_undo_what_was_asked_for_after_it() {
+fn the_repeat_of_an_emergency_stop_does_not_undo_a_later_request() {
     //
     let mut rig = driving();
     rig.ports().drop_replies = 1;

@@ -104,7 +104,7 @@ fn a_newer_drive_replaces_a_waiting_one_and_a_table_waits_for_it() {
 }
 
 #[test]
-fn stops_disarming_and_a_hello_drop_it() {
+fn stops_disarming_and_a_hello_drop_a_waiting_drive() {
     for command in [Command::Stop, Command::EmergencyStop, Command::Disarm] {
         let mut rig = Rig::armed();
         rig.accepted(&waiting(0.1));
@@ -123,7 +123,7 @@ fn stops_disarming_and_a_hello_drop_it() {
 }
 
 #[test]
-fn the_dead_man_and_a_fault_drop_it() {
+fn the_dead_man_and_a_fault_drop_a_waiting_drive() {
     let mut rig = Rig::armed();
     rig.accepted(&waiting(0.1));
     begun(&mut rig, 10);
@@ -207,7 +207,7 @@ impl Watched {
 }
 
 #[test]
-fn the_mirror_goes_no_further_than_is_known_and_is_exact_once_it_is() {
+fn the_mirror_waits_for_the_reported_rise_and_is_exact_from_there_on() {
     let mut watched = Watched::new();
     watched.perform(Request::Play(Sounding::Drive(DriveRequest::at(&[(0.02, 0.4)]))));
     watched.pass(20_000);

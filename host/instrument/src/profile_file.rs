@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named_with_its_range() {
+    fn a_bad_field_of_a_profile_is_named_with_its_range() {
         let says = |text: &str| read(text).unwrap_err().to_string();
         assert_eq!(says("name = \"x\"\nmax_sum = 1.2"), "max_sum = 1.2: must be 0.001 to 1");
         assert_eq!(says("name = \"x\"\nmax_rise_db = -1"), "max_rise_db = -1: must be 0 to 20");

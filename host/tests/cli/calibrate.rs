@@ -221,7 +221,7 @@ fn files_of_other_programs_calibrate_as_well_as_the_own_form() {
 }
 
 #[test]
-fn calipers_tell_the_widths_beforehand() {
+fn calipers_state_the_widths_beforehand() {
     let plate = actual();
     let (near, far) = (measured(&plate, 0.032), measured(&plate, 0.176));
     let (near, far) = (data("caliper-near.csv", &near), data("caliper-far.csv", &far));

@@ -97,7 +97,7 @@ fn a_file_that_is_not_read_names_its_field_and_range() {
 }
 
 #[test]
-fn no_bytes_make_it_panic() {
+fn no_bytes_make_the_reader_panic() {
     let files = [
         file(48_000, 2, 16, SampleFormat::Int),
         file(96_000, 3, 24, SampleFormat::Int),

@@ -139,7 +139,7 @@ fn one_sensor_with_mass_determines_plate_and_source() {
 }
 
 #[test]
-fn a_plan_says_what_a_place_bears() {
+fn a_plan_states_the_sensor_mass_that_a_place_bears() {
     let at = |name: &str, place_m: f64, width_m: f64| {
         let plate = preset(name).expect("a preset");
         let places = SensorPlaces::of(&plate, &Placing::default()).expect("places");
@@ -160,7 +160,7 @@ mod night {
 
     #[test]
     #[ignore = "many plates: .ci/run statistics"]
-    fn sensors_that_weigh_keep_their_stated_intervals() {
+    fn sensors_with_mass_keep_their_stated_intervals() {
         let mut kept = Vec::new();
         for name in ["membrane", "membrane-heavy", "tungsten-membrane", "al-bending"] {
             for solver in [Solver::OneMode, Solver::TwoDimensions] {

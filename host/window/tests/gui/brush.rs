@@ -251,7 +251,7 @@ fn a_drawing_arms_and_starts_nothing() {
 }
 
 #[test]
-fn what_was_stopped_stays_so_while_it_is_drawn() {
+fn a_stopped_drive_stays_stopped_while_a_profile_is_drawn() {
     let mut app = TestApp::driving();
     with_brush(&mut app);
     app.key(Key::Space, 300);

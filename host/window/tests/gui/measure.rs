@@ -163,7 +163,7 @@ fn a_file_is_dropped_on_the_window_and_a_bad_one_changes_nothing() {
 }
 
 #[test]
-fn the_plots_tell_the_values_under_the_pointer_and_are_zoomed_together() {
+fn the_plots_show_the_values_under_the_pointer_and_are_zoomed_together() {
     let mut app = TestApp::driving();
     open(&mut app, "near.csv", &measured(&membrane(1.01), NEAR_M, 12.0));
     let check = |app: &mut TestApp, name: &str, wanted: [&str; 3]| {

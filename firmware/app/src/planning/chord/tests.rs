@@ -155,7 +155,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn the_peak_that_is_proven_is_the_peak_that_is_sent_to_the_code(quiet in chords(7000)) {
+    fn the_proven_peak_is_the_peak_of_the_sent_codes(quiet in chords(7000)) {
         prop_assume!(quiet.tones.iter().any(|tone| tone.level.0 > 100));
         let chord = as_loud_as_fits(&quiet);
         let tones = placed(&chord).unwrap();

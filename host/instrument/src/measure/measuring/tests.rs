@@ -450,7 +450,7 @@ fn an_outcome_that_comes_after_the_cancellation_does_not_stand_for_that_of_the_s
 }
 
 #[test]
-fn a_fault_ends_it_and_explains_why_the_tones_were_stopped() {
+fn a_fault_ends_the_measurement_and_explains_why_the_tones_were_stopped() {
     let status = Status { faults: Faults::NONE.with(Fault::EmergencyStop), ..Status::default() };
     let mut faulty = Snapshot::default();
     faulty.link.state = LinkState::Connected;
