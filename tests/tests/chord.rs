@@ -133,7 +133,7 @@ fn a_false_chord_is_refused_and_makes_no_sound() {
 fn a_chord_waits_for_silence_and_fades_whatever_its_sum() {
     let mut rig = Rig::driving(&[(0, 0.1, 0.5)], 2000, 10);
     assert_eq!(rig.refused(&Command::Chord(loud())), Refusal::Busy(Busy::DriveActive));
-    // What fades is waited for.
+    // A chord waits for the end of a fade.
     let fade = rig.accepted(&Command::Drive(drive(&[], 20_000)));
     rig.live_blocks(4);
     let at = rig.accepted(&Command::Chord(loud()));

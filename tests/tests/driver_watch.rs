@@ -265,7 +265,7 @@ fn a_thread_that_waits_or_pauses_by_the_worker_is_alive_and_one_that_hangs_is_no
     thread::scope(|scope| {
         let waits = scope.spawn(|| {
             driven.worker.pause(ms(1250));
-            // What nobody has asked for does not end.
+            // A request that nobody has made has no outcome.
             assert_eq!(driven.worker.wait(Ticket(u64::MAX), ms(1250)), None);
         });
         while !waits.is_finished() {

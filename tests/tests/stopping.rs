@@ -59,7 +59,7 @@ fn a_drive_with_a_wrong_number_is_not_sent_again_after_a_stop() {
     let lost = rig.ask(drive(0.05));
     rig.ask(Request::Stop);
     let words = rig.ports().commands.len();
-    // What takes the drive's place is refused for its number.
+    // The frame that takes the drive's place is refused for its number.
     rig.ports().rewrite = |event| match as_real(event) {
         Event::Table(_) => Event::Refused(Refusal::BadSequence { expected: 1 }),
         event => event,

@@ -127,7 +127,7 @@ impl Read for FromHost {
                 return Poll::Ready(Ok(count));
             }
             READER.register(context.waker());
-            // What has happened before counts for nothing: the ring has been looked at.
+            // Earlier flags mean nothing: the ring has been read since.
             UART.icr().write(|w| {
                 w.set_cmf(true);
                 w.set_idle(true);

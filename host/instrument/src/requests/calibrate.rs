@@ -31,7 +31,7 @@ pub fn measured<M: Borrow<Measurement>>(
 /// An edge that a finger felt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeltEdgeRequest {
-    /// What the tone was asked for by.
+    /// The place or frequency by which the tone was requested.
     pub asked: AskedPlace,
     /// Where the finger felt it end, metres from the driven end.
     pub felt_m: f64,

@@ -79,7 +79,7 @@ fn a_chord_is_played_as_one_as_loud_as_it_is_drawn_until_a_tone_is_moved() {
     assert_eq!(sounds_as_chord(&session), Some(false));
     assert!(session.is_driving() && session.instrument.out.notices().next().is_none());
     assert!(matches!(played(&session)[..], [Request::Stop, Request::Play(Sounding::Drive(_))]));
-    // What was undone sounds as it did.
+    // After undo the earlier tones sound as before.
     session.instrument.undo();
     session.pass(400);
     assert_eq!(sounds_as_chord(&session), Some(true));

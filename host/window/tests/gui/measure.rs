@@ -92,7 +92,7 @@ fn measurements_are_overlaid_hidden_removed_and_saved() {
     app.window.get_by_role_and_label(Role::CheckBox, "Show second.csv").click();
     app.wait(200);
     assert!(!app.shows("Level, dB of"), "nothing is drawn");
-    // What is chosen is drawn.
+    // The chosen measurements are drawn.
     app.click_button("first.csv", 200);
     assert!(app.shows("Level, dB of 1 measurements") && app.shows("32.0 mm"));
     app.window.get_by_label("Export CSV…").click_accesskit();
