@@ -262,7 +262,7 @@ class Lacking(unittest.TestCase):
             with self.subTest(missing):
                 self.assert_says(lacks.format(missing), script)
 
-    def test_a_sentence_says_what_keeps_a_browser_from_it(self):
+    def test_a_sentence_names_the_setting_that_keeps_a_browser_from_the_page(self):
         no_context = """const get = HTMLCanvasElement.prototype.getContext;
         HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
           return kind === "webgl2" ? null : get.call(this, kind, ...more);

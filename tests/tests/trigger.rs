@@ -19,7 +19,7 @@ fn rises(device: &mut SimulatedDevice, blocks: u64) -> Vec<SampleIndex> {
 }
 
 #[test]
-fn the_trigger_rises_at_the_index_that_was_answered_in_blocks_that_follow_each_other_too() {
+fn the_trigger_rises_at_the_answered_index_even_in_successive_blocks() {
     let mut rig = Rig::armed();
     let mut answered = Vec::new();
     let mut seen = Vec::new();
