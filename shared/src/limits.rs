@@ -92,7 +92,7 @@ pub const EMERGENCY_RAMP_MS: u32 = 2;
 pub const MIN_GLIDE_MS: u32 = 5;
 /// The longest glide a drive may ask for.
 pub const MAX_GLIDE_MS: u32 = 10_000;
-/// The farthest that an apply-at index may lie ahead: a later one counts as a mistake.
+/// The farthest that an apply-at index may lie ahead. The device refuses a later one: the host has probably miscounted.
 pub const MAX_APPLY_AHEAD_MS: u32 = 60_000;
 /// A table upload that gets no chunk for this time is dropped.
 pub const STAGING_TIMEOUT_MS: u32 = 2000;

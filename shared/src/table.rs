@@ -252,7 +252,7 @@ mod tests {
                 let (index, fraction) = place_of_step(count, step, knot).unwrap();
                 prop_assert!(index + 1 < count && fraction <= 1 << 31);
                 let there = between(knot(index), knot(index + 1), fraction).step.0;
-                // What the fraction is rounded by.
+                // Largest effect of the fraction's rounding.
                 let unit = (u64::from(knot(index).step.abs_diff(knot(index + 1).step)) << 1) + 1;
                 prop_assert!(there.abs_diff(u64::from(step) << 32) <= unit, "{step}: {there}");
                 let position = position_between(count, index, fraction);

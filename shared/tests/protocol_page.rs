@@ -369,7 +369,7 @@ fn page() -> String {
     }
     writeln!(page, "\n## Types").unwrap();
     for (name, shape) in types() {
-        // What is a body of its own stands above.
+        // A type that is the body of a message stands above.
         let is_body = rows().any(|row| row.body == Some(shape));
         match shape {
             Shape::Struct(_, fields) if !is_body || name == "TableHeader" => {

@@ -6,7 +6,7 @@ USUAL = 2
 LONG = {
     "test_a_power_cut_at_any_operation_leaves_the_old_or_the_new_table": 40,
     "test_bus_resets_without_end_are_a_silent_host": 30,
-    "test_stops_and_the_dead_man_drop_it": 20,
+    "test_stops_and_the_dead_man_drop_a_waiting_drive": 20,
     "test_a_silent_host_is_noticed_by_the_device_itself": 12,
     "test_the_hosts_beat_counts_to_its_end_and_a_host_that_begins_again_there_is_a_silent_one": 12,
     "test_an_emergency_stop_is_at_the_pin_soon_whatever_comes_before_it": 10,

@@ -43,7 +43,7 @@ def test_the_device_reports_its_reference_voltage_and_its_brown_out_level(rig):
 
 
 @pytest.mark.every_image
-def test_on_the_bench_it_drives_and_its_mute_pin_stays_low(rig):
+def test_on_the_bench_a_board_drives_and_its_mute_pin_stays_low(rig):
     rig.host.connect()
     rig.host.upload()
     rig.host.accept("Bench", BENCH)

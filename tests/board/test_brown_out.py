@@ -118,7 +118,7 @@ def test_a_power_cut_behind_the_write_leaves_the_new_level(rig):
 
 
 @on_f407
-def test_it_is_refused_while_armed_at_a_low_supply_and_on_a_protected_chip(rig):
+def test_the_level_is_not_written_while_armed_at_a_low_supply_or_on_a_protected_chip(rig):
     """R-56."""
     flash = rig.board.flash
     flash.options |= 0xFF << flash.RDP
@@ -137,7 +137,7 @@ def test_it_is_refused_while_armed_at_a_low_supply_and_on_a_protected_chip(rig):
 
 
 @on_f407
-def test_a_new_session_does_not_keep_it_from_restarting(rig):
+def test_a_new_session_does_not_keep_the_device_from_restarting(rig):
     delivered(rig)
     press(rig)
     rig.board.resets.clear()

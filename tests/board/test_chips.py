@@ -79,7 +79,7 @@ def test_170_mhz_need_the_ahb_divided_for_a_microsecond_after_the_switch(g474, d
         raise_clock(g474, divided=divided)
 
 
-def test_with_both_the_timers_run_at_170_mhz(g474):
+def test_with_boost_mode_and_wait_states_the_timers_run_at_170_mhz(g474):
     g474.write(PWR_CR5, 0)
     raise_clock(g474)
     assert g474.board.clocks.frequencies.timers == {1: 170e6, 2: 170e6}

@@ -62,7 +62,7 @@ def test_for_two_seconds_after_its_release_no_host_clears_the_stop(armed):
 
 @pytest.mark.every_image
 @pytest.mark.parametrize("rest", [0, 1])
-def test_a_press_is_whatever_the_button_s_level_was_not_at_the_start(rig, rest):
+def test_a_press_is_the_level_that_the_button_did_not_have_at_the_start(rig, rest):
     """R-80: the boards' sources do not agree on the level. One that is held at the start reads as pressed when it is released."""
     board, host = rig.board, rig.host
     board.pins.resistors[rig.facts.button] = rest

@@ -26,7 +26,7 @@ def held(rig, asked_codes):
 
 # The application's matter, which the simulated device shows in the gate: to cool the coil takes long here.
 @pytest.mark.nightly
-def test_a_table_that_ends_a_hold_does_not_let_the_next_one_rise_from_there(cool):
+def test_a_table_that_ends_a_hold_does_not_let_the_next_one_begin_raised(cool):
     """R-88: 6 dB in all. The coil is cool, or its heat would leave no room."""
     host, board = cool.host, cool.board
     board.adc.at_pins = lambda: (MID + (board.dac.output - MID) // HEARD, MID)

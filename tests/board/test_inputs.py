@@ -71,7 +71,7 @@ LOSSES = {
 @pytest.mark.every_image
 @pytest.mark.parametrize("loss", LOSSES)
 @pytest.mark.parametrize("samples", [2, 50, 3000])
-def test_codes_that_are_lost_do_not_move_the_others(sounding, mirror, loss, samples):
+def test_lost_codes_do_not_shift_the_indices_of_the_others(sounding, mirror, loss, samples):
     """The capture under way breaks; its codes up to there are right, and so are those of the next. The loss is reported, and
     the DAC's codes do not change. One word may wait for the DMA, so that two must be missing."""
 

@@ -72,7 +72,7 @@ def test_after_a_read_in_an_it_block_the_code_goes_on_without_conditions(word, o
     assert board.cpu.mem_read(COUNT, 1)[0] == runs and not board.faults
 
 
-def test_so_it_does_after_a_store(chip):
+def test_after_a_store_in_an_it_block_the_code_goes_on_without_conditions(chip):
     """As after one into the flash, which every chip watches."""
     stored = []
     chip.board.watch_memory(UC_HOOK_MEM_WRITE, lambda *access: stored.append(access), COUNT, COUNT + 3)

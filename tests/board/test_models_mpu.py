@@ -74,7 +74,7 @@ def test_a_region_that_is_moved_leaves_its_old_place(guarded):
     assert not does(guarded, STORE, END)
 
 
-def test_a_reset_switches_it_off(guarded):
+def test_a_reset_switches_the_mpu_off(guarded):
     assert guarded.read(MPU_TYPE) == 8 << 8
     guarded.board.reset("pin")
     assert guarded.read(MPU_CTRL) == 0
@@ -107,7 +107,7 @@ def test_a_frame_that_would_lie_in_the_region_is_not_written_and_the_interrupt_w
     assert set(board.cpu.mem_read(START, END - START)) == {0x55}
 
 
-def test_what_is_no_memory_is_a_bus_fault(guarded):
+def test_a_read_outside_the_memory_is_a_bus_fault(guarded):
     board = guarded.board
     board.cpu.mem_write(CODE, LOAD + LOOP)
     board.cpu.reg_write(UC_ARM_REG_R0, 0x60000000)

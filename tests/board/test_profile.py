@@ -40,7 +40,7 @@ def refused_without_a_hand(rig, body):
 
 
 @pytest.mark.every_image
-def test_it_is_written_with_the_button_only_and_in_force_for_every_session(rig):
+def test_a_profile_is_written_with_the_button_only_and_in_force_for_every_session(rig):
     """R-79."""
     rig.host.connect()
     rig.host.live(0.01)
@@ -66,7 +66,7 @@ def is_limited_to_old(rig):
 
 @pytest.mark.nightly
 @pytest.mark.every_image
-def test_forget_leaves_it(rig):
+def test_forget_leaves_the_profile(rig):
     """R-79."""
     rig.host.connect()
     write(rig, OLD)
@@ -115,7 +115,7 @@ def newest(rig):
     return rig.board.FLASH_START + memory.index(b"\x03new") + 1
 
 
-def test_of_a_damaged_one_the_older_limits_until_a_hand_on_the_board_accepts_it(rig):
+def test_of_a_damaged_profile_the_older_one_limits_until_a_hand_on_the_board_accepts_it(rig):
     """R-79."""
     host, board = rig.host, rig.board
     host.connect()
@@ -152,7 +152,7 @@ def test_a_button_that_is_held_through_the_start_is_a_hand_for_thirty_seconds_af
     assert rig.host.board_report()[2] == "pressed" and refused_without_a_hand(rig, NEW), "it reads so for ever"
 
 
-def test_where_one_is_kept_the_rom_bootloader_wants_the_button(rig):
+def test_where_a_profile_is_kept_the_rom_bootloader_needs_the_button(rig):
     """R-63 and R-79: another program knows nothing of it."""
     host = rig.host
     host.connect()

@@ -217,7 +217,7 @@ def left(rig, is_pulled):
 
 
 @pytest.mark.nightly
-def test_a_killed_host_a_pulled_cable_and_a_stop_leave_it_muted_at_random_moments(rig):
+def test_a_killed_host_a_pulled_cable_and_a_stop_leave_the_board_muted_at_random_moments(rig):
     """Each is a copy of the same test at another moment of it; the last one, the stop, ends the test itself."""
     rig.wire(*WIRES)
     desk = Desk(rig, *WIRES, "unplugged")

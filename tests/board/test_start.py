@@ -11,7 +11,7 @@ from rig import MID, is_silent
 
 
 @pytest.mark.every_image
-def test_it_boots_muted_and_the_dac_is_at_mid_scale_long_before_anything_could_unmute(rig):
+def test_the_board_boots_muted_and_the_dac_is_at_mid_scale_long_before_anything_could_unmute(rig):
     # The look for the resistor takes 5 ms, and the H743's converters calibrate themselves for 14 ms.
     rig.board.run(0.03)
     unmute = rig.facts.unmute
@@ -28,7 +28,7 @@ def test_it_boots_muted_and_the_dac_is_at_mid_scale_long_before_anything_could_u
 
 
 @pytest.mark.every_image
-def test_it_plays_400_000_codes_a_second(rig):
+def test_the_board_plays_400_000_codes_a_second(rig):
     # As above, before the DAC's first code.
     rig.board.run(0.03)
     before = len(rig.board.dac.codes)
@@ -37,7 +37,7 @@ def test_it_plays_400_000_codes_a_second(rig):
     assert rig.board.dac.underruns == 0
 
 
-def test_it_enumerates_as_the_documentation_says(rig):
+def test_the_board_enumerates_as_the_documentation_says(rig):
     identity = rig.host.connect()
     unique_id = b"SLIPLINE-VB1"
     if isinstance(rig.cable, UsbHost):

@@ -97,7 +97,7 @@ def test_an_earlier_or_too_short_rise_does_not_count(sounding):
 
 
 # Which drive is dropped is the application's matter, not the chip's: the other images have it at night.
-def test_stops_and_the_dead_man_drop_it(sounding):
+def test_stops_and_the_dead_man_drop_a_waiting_drive(sounding):
     def stopped(message):
         def case(rig):
             host, edges = rig.host, Edges(rig)

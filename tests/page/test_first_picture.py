@@ -59,7 +59,7 @@ def colours(page):
 
 
 class FirstPicture(unittest.TestCase):
-    def test_the_first_picture_is_soon_there_over_a_slow_network(self):
+    def test_the_first_picture_comes_soon_over_a_slow_network(self):
         with contextlib.ExitStack() as held:
             address = held.enter_context(offered(os.path.abspath(shared.FOLDER)))
             context = held.enter_context(shared.browser()).new_context(viewport={"width": 1280, "height": 800})

@@ -79,7 +79,7 @@ class Serial(unittest.TestCase):
         return len(set(self.bridge.emulator.shown(100))) > 1
 
     def play(self, page):
-        """Drives until the board is heard."""
+        """Drives until the board's DAC plays."""
         seen = shared.drive(page)
         self.wait_for(page, True)
         self.assertTrue(seen["table_verified"], "the board has the table of this plate, by its digest")

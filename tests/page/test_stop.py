@@ -114,12 +114,12 @@ class Stop(unittest.TestCase):
         self.assert_soon("stops_sent_ms", "keydown", press, shared.STOP_MS, "Design", begin)
         self.assertEqual(self.errors, [])
 
-    def test_out_of_sight_it_stops_and_disarms(self):
+    def test_a_page_out_of_sight_stops_and_disarms(self):
         self.assert_soon("disarms_sent_ms", "visibilitychange", lambda: self.page.evaluate(HIDE), LEFT_MS)
         shared.until(self.page, lambda seen: not seen["armed"], "disarmed")
         self.assertEqual(self.errors, [])
 
-    def test_put_to_sleep_it_stops_and_disarms(self):
+    def test_a_page_put_to_sleep_stops_and_disarms(self):
         self.assert_soon("disarms_sent_ms", "freeze", lambda: self.page.evaluate(FREEZE), LEFT_MS)
         shared.until(self.page, lambda seen: not seen["armed"], "disarmed")
 

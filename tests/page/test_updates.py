@@ -122,7 +122,7 @@ class Updates(unittest.TestCase):
         controlled(page)
         return page, errors
 
-    def test_a_page_that_was_assembled_assembles_to_the_same_bytes(self):
+    def test_assembling_an_assembled_page_gives_the_same_bytes(self):
         again = self.folder / "again"
         assemble(self.first, again)
         names = sorted(path.name for path in self.first.iterdir())
@@ -262,7 +262,7 @@ class Lacking(unittest.TestCase):
             with self.subTest(missing):
                 self.assert_says(lacks.format(missing), script)
 
-    def test_a_sentence_says_what_keeps_a_browser_from_it(self):
+    def test_a_sentence_names_the_setting_that_keeps_a_browser_from_the_page(self):
         no_context = """const get = HTMLCanvasElement.prototype.getContext;
         HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
           return kind === "webgl2" ? null : get.call(this, kind, ...more);

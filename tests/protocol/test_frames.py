@@ -128,7 +128,7 @@ class Tables(unittest.TestCase):
                         sentence = f"The body is a {kind.body}." if kind.body else "No body."
                         self.assertIn(sentence, unlinked(section.text))
 
-    def test_which_commands_are_numbered(self) -> None:
+    def test_the_page_lists_the_commands_without_a_number(self) -> None:
         sentence = re.search(r"wrap from 65535 to 0\. (.*?) are not numbered", page.PAGE)[1]
         known = [kind.name for kind in COMMANDS.values() if not kind.numbered]
         self.assertEqual(re.findall(r"`(\w+)`", sentence), known)

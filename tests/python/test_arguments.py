@@ -61,7 +61,7 @@ def test_a_column_of_pandas_is_a_series(plate):
     ({126.0}, TypeError, "frequency_hz = .*: must be a number, or a series of numbers"),
     (True, TypeError, "frequency_hz = True: must be a number, or a series of numbers"),
 ])
-def test_what_is_no_series_of_numbers_is_refused_in_words_of_the_field(plate, given, kind, words):
+def test_an_argument_that_is_no_series_of_numbers_is_refused_by_its_name(plate, given, kind, words):
     with pytest.raises(kind, match=words):
         plate.respond(given)
 

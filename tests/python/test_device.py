@@ -26,7 +26,7 @@ def device(plate: slipline.Plate) -> Iterator[slipline.Device]:
         yield device
 
 
-def test_its_status_has_the_fields_of_the_command_lines_info() -> None:
+def test_a_devices_status_has_the_fields_of_the_command_lines_info() -> None:
     command = [str(binary()), "info", "--port", "sim", "--json"]
     info = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     status = slipline.connect("sim").status().to_dict()
@@ -38,7 +38,7 @@ def test_its_status_has_the_fields_of_the_command_lines_info() -> None:
     assert set(status["counters"]) == set(info["counters"])
 
 
-def test_it_is_armed_and_driven_inside_the_block_only(plate: slipline.Plate) -> None:
+def test_a_device_is_armed_and_driven_inside_the_block_only(plate: slipline.Plate) -> None:
     device = slipline.connect()
     device.use(plate)
     for call in (device.arm, device.verify, device.selftest, lambda: device.measure(0.03)):
@@ -128,7 +128,7 @@ def test_a_drive_that_waits_for_the_trigger_begins_with_it(plate: slipline.Plate
             device.wait(drive)
 
 
-def test_it_is_stopped_from_another_thread_and_armed_and_driven_again(device: slipline.Device) -> None:
+def test_a_device_is_stopped_from_another_thread_and_armed_and_driven_again(device: slipline.Device) -> None:
     device.drive(turning_point_m=0.16)
     stopped = []
     thread = threading.Timer(0.2, lambda: stopped.append(device.stop()))
@@ -199,7 +199,7 @@ def test_a_device_without_inputs_neither_measures_nor_holds(device: slipline.Dev
         device.hold()
 
 
-def test_its_codes_match_the_mirror(device: slipline.Device) -> None:
+def test_a_devices_codes_match_the_mirror(device: slipline.Device) -> None:
     verified = device.verify(tones=3, window_s=0.05)
     assert verified.equal and [window.equal for window in verified.windows] == [True] * 4
     assert device.status().state == "Idle"
@@ -207,7 +207,7 @@ def test_its_codes_match_the_mirror(device: slipline.Device) -> None:
         device.verify(window_s=1e-4)
 
 
-def test_it_tests_itself_and_skips_what_is_not_wired(device: slipline.Device) -> None:
+def test_a_device_tests_itself_and_skips_the_steps_that_lack_a_wire(device: slipline.Device) -> None:
     report = device.selftest(short=True)
     verdicts = {step.name: step.verdict for step in report.steps}
     assert (verdicts["codes"], verdicts["supply"], verdicts["mute"]) == ("green",) * 3

@@ -94,7 +94,7 @@ def test_an_interactive_program_that_has_armed_nothing_counts_as_attended() -> N
 
 
 
-def test_a_handler_of_the_log_that_is_slow_or_fails_keeps_no_sign_of_life_back() -> None:
+def test_a_slow_or_failing_log_handler_delays_no_keep_alive() -> None:
     then = """
     import logging
 

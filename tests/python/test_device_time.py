@@ -64,7 +64,7 @@ def test_the_next_drive_waits_for_the_change_that_is_ahead_and_a_stop_drops_it(d
     assert fourth.at_samples < third.at_samples
 
 
-def test_a_drive_that_waits_for_a_change_ahead_is_superseded_by_the_stop_of_another_thread(device: slipline.Device) -> None:
+def test_a_stop_from_another_thread_supersedes_a_drive_that_waits_for_an_earlier_one(device: slipline.Device) -> None:
     first = device.drive(turning_point_m=0.16)
     device.drive(turning_point_m=0.18, at=first.at_samples + 8_000_000)
     threading.Timer(0.2, device.stop).start()

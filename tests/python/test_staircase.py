@@ -121,7 +121,7 @@ def test_a_place_that_is_not_on_the_grid_is_refused(place_m):
     assert staircase.left == 39
 
 
-def test_its_text_shows_how_far_it_is():
+def test_a_staircases_text_shows_its_progress():
     staircase = Staircase(0.1, 0.2, trials=2)
     staircase.take_answer(staircase.trial(), True)
     text = f"threshold={staircase.threshold:.6g} +- {staircase.deviation:.2g})"

@@ -45,7 +45,7 @@ impl MeasuringBench {
     /// A healthy rig under a secret plate near the preset of this name; `points` frequencies are measured.
     ///
     /// # Panics
-    /// If there is no such preset, and as [`MeasuringBench::new`].
+    /// If the preset does not exist, and where [`MeasuringBench::new`] panics.
     #[must_use]
     pub fn near(name: &str, seed: u64, points: usize) -> Self {
         let nominal = preset(name).expect("a preset");

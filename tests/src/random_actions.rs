@@ -47,7 +47,7 @@ pub enum Action {
         period_blocks: u16,
         /// The highest frequency that it may have, in turns a sample.
         highest: f64,
-        /// Place among the multiples up to there, level and phase of each tone.
+        /// Of each tone: its share of the multiples up to `highest`, its level and its phase.
         tones: Vec<(f64, f64, u16)>,
         /// In samples.
         glide: u32,

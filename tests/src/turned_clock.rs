@@ -73,8 +73,8 @@ impl TurnedClock {
         let end = self.now() + time;
         while self.now() < end {
             self.jump(STEP.min(end - self.now()));
-            // It looks when it comes round and before it sleeps: with the fourth look a round that began after the jump
-            // is over.
+            // The worker looks at the clock twice a round: at its begin and before it sleeps. At the fourth look a whole
+            // round has passed that began after the jump.
             let looks = self.0.looks.load(Ordering::SeqCst) + 4;
             until("round again", || {
                 worker.wake();

@@ -26,7 +26,7 @@ fn the_right_token_shown_in_time_leads_into_the_bootloader_after_the_reply() {
 }
 
 #[test]
-fn a_wrong_an_old_or_a_used_token_does_not() {
+fn a_wrong_old_or_used_token_does_not_enter_the_bootloader() {
     //
     let mut rig = Rig::greeted();
     assert_eq!(rig.refused(&Command::BootloaderEnter(0)), Refusal::BadToken);
@@ -63,7 +63,7 @@ fn an_armed_device_gives_no_token_and_takes_none() {
 }
 
 #[test]
-fn no_other_command_leads_there() {
+fn no_other_command_leads_into_the_bootloader() {
     // the matrix.
     let mut rig = Rig::greeted();
     for command in every_command() {

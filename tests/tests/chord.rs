@@ -48,7 +48,7 @@ fn table() -> DeviceTable {
 }
 
 #[test]
-fn the_peak_that_the_device_proves_is_the_one_that_the_host_computes_and_the_one_that_is_sent() {
+fn the_proven_peak_matches_the_hosts_and_that_of_the_sent_codes() {
     let mut rig = Rig::armed();
     let begin = rig.accepted(&Command::Chord(loud()));
     rig.live_ms(10);
@@ -133,7 +133,7 @@ fn a_false_chord_is_refused_and_makes_no_sound() {
 fn a_chord_waits_for_silence_and_fades_whatever_its_sum() {
     let mut rig = Rig::driving(&[(0, 0.1, 0.5)], 2000, 10);
     assert_eq!(rig.refused(&Command::Chord(loud())), Refusal::Busy(Busy::DriveActive));
-    // What fades is waited for.
+    // A chord waits for the end of a fade.
     let fade = rig.accepted(&Command::Drive(drive(&[], 20_000)));
     rig.live_blocks(4);
     let at = rig.accepted(&Command::Chord(loud()));

@@ -29,7 +29,7 @@ fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
 }
 
 #[test]
-fn its_tones_are_exact_and_have_the_gain_of_the_nearest_place() {
+fn a_combs_tones_are_exact_and_have_the_gain_of_the_nearest_place() {
     let mut rig = Rig::armed();
     let at = rig.accepted(&Command::Comb(example()));
     rig.live_ms(6);
@@ -52,7 +52,7 @@ fn its_tones_are_exact_and_have_the_gain_of_the_nearest_place() {
 }
 
 #[test]
-fn its_phases_hold_over_a_period_of_seconds() {
+fn a_combs_phases_hold_over_a_period_of_seconds() {
     // The longest period: 21 s, 0.048 Hz. One tone of 19 999.97 Hz, whose step no 32 bits hold.
     let mut rig = Rig::armed();
     let harmonic = 65_535;
@@ -146,7 +146,7 @@ fn the_travel_matches_each_tones_own_frequency() {
 }
 
 #[test]
-fn a_drive_takes_its_tones_along_and_the_mirror_plays_all_of_it() {
+fn a_drive_takes_over_a_combs_tones_and_the_mirror_replays_every_code() {
     let mut loopback = Loopback::connect(RATE_HZ).unwrap();
     let knots = (0..=64).map(|i| (60e3 - 625.0 * f64::from(i), 0.5 + f64::from(i) / 128.0));
     let table = DeviceTable::from_knots((0.08, 0.27), f64::from(RATE_HZ), knots, 1e-6).unwrap();

@@ -108,7 +108,7 @@ fn nothing_but_a_new_keep_alive_feeds_the_dead_man() {
 }
 
 #[test]
-fn a_host_that_dies_while_nothing_sounds_finds_the_device_disarmed_without_a_fault() {
+fn a_silent_device_disarms_without_a_fault_when_its_host_dies() {
     let mut rig = Rig::armed();
     rig.silent_ms(DEAD_MAN_MS + 10);
     let status = rig.status();

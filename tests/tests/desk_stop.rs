@@ -56,7 +56,7 @@ fn one_sample_is_no_press() {
 }
 
 #[test]
-fn while_it_is_held_the_device_cannot_be_armed_and_disarmed_it_does_nothing() {
+fn a_held_button_prevents_arming_and_does_nothing_else_while_disarmed() {
     //
     let mut rig = Rig::greeted();
     rig.upload(&Table::usual());

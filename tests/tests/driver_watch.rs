@@ -158,7 +158,7 @@ fn an_upload_under_way_goes_on_and_the_device_is_disarmed_between_its_chunks() {
 }
 
 #[test]
-fn the_link_wants_to_be_called_when_a_question_or_the_stop_is_due() {
+fn the_link_asks_to_be_called_when_a_question_or_the_stop_is_due() {
     let mut rig = driving();
     hang_after_a_sign(&mut rig);
     let mut asked = rig.signs_wanted;
@@ -173,7 +173,7 @@ fn the_link_wants_to_be_called_when_a_question_or_the_stop_is_due() {
 }
 
 #[test]
-fn an_order_that_has_not_reached_the_device_by_then_is_dropped() {
+fn an_order_that_a_hung_program_has_not_delivered_is_dropped() {
     let mut rig = driving();
     rig.ask_and_pass(Request::Stop, 250);
     rig.is_driver_alive = false;
@@ -265,7 +265,7 @@ fn a_thread_that_waits_or_pauses_by_the_worker_is_alive_and_one_that_hangs_is_no
     thread::scope(|scope| {
         let waits = scope.spawn(|| {
             driven.worker.pause(ms(1250));
-            // What nobody has asked for does not end.
+            // A request that nobody has made has no outcome.
             assert_eq!(driven.worker.wait(Ticket(u64::MAX), ms(1250)), None);
         });
         while !waits.is_finished() {
@@ -281,7 +281,7 @@ fn a_thread_that_waits_or_pauses_by_the_worker_is_alive_and_one_that_hangs_is_no
 }
 
 #[test]
-fn a_loop_that_is_woken_for_it_drives_on_until_it_hangs() {
+fn a_loop_that_is_woken_to_answer_drives_on_until_it_hangs() {
     let driven = Driven::new();
     let (question, questions) = std::sync::mpsc::channel();
     let [asked, answered] = [(); 2].map(|()| Arc::new(AtomicUsize::default()));

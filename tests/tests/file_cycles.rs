@@ -108,8 +108,7 @@ fn named(crate_of: &BTreeMap<Module, SourceFile>, from: &Module, path: &[String]
 /// Re-exports that are followed one after another.
 const MOST_RE_EXPORTS: u8 = 8;
 
-/// The module whose file defines what a path names, if that is in the crate; of re-exports that are followed, `depth`
-/// are behind.
+/// The module whose file defines the item of a path, if it is in the crate. `depth` counts the re-exports followed so far.
 fn resolve(
     crate_of: &BTreeMap<Module, SourceFile>,
     from: &Module,

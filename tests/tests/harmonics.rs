@@ -57,7 +57,7 @@ fn a_simulated_coil_of_one_and_a_half_percent_is_measured_within_a_tenth() {
             assert!(error < 0.1, "{order} at {hertz} Hz: {ratio} for {wanted}");
         }
     }
-    // What was measured is a plate file.
+    // The measured harmonics make a valid plate file.
     let spec = PlateSpec { harmonics: Some(found.harmonics), ..bench.nominal.spec().clone() };
     let plate = Plate::new(spec).expect("valid");
     assert_eq!(Plate::from_toml(&plate.to_toml()), Ok(plate));

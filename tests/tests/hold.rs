@@ -143,7 +143,7 @@ fn decibels(tone: &HeldTone) -> f64 {
 }
 
 #[test]
-fn what_a_finger_takes_is_given_back_and_taken_away_again_when_it_leaves() {
+fn a_hold_restores_what_a_finger_takes_and_lowers_it_when_the_finger_leaves() {
     let (mut rig, finger) = touched(Options::default());
     rig.accepted(&sounds(&[(2, 0.1), (5, 0.2), (9, 0.15)]));
     rig.live_ms(10);
@@ -183,7 +183,7 @@ fn what_a_finger_takes_is_given_back_and_taken_away_again_when_it_leaves() {
 }
 
 #[test]
-fn where_there_is_no_room_the_tones_stay_at_the_limit_and_say_which() {
+fn tones_without_headroom_stay_at_the_limit_and_name_it() {
     let travel =
         TravelLimit { resonance_uhz: 2_000_000_000, quality_per_mille: 1000, static_ppm: 900_000_000 };
     let hot = Options { heat: Heat::AssumedHot, ..Options::default() };
@@ -236,7 +236,7 @@ fn where_there_is_no_room_the_tones_stay_at_the_limit_and_say_which() {
 }
 
 #[test]
-fn a_table_that_ends_a_hold_does_not_let_the_next_one_rise_from_there() {
+fn a_table_that_ends_a_hold_does_not_let_the_next_one_begin_raised() {
     // four holds of 6 dB at most on one drive, each ended by a table; a fifth asks for less, and gets less.
     let levels = [(2, 0.05), (5, 0.02)];
     let (mut rig, finger) = touched(Options::default());
@@ -368,7 +368,7 @@ fn a_chord_that_only_its_proof_allows_is_not_corrected() {
 
 /// An emergency stop that comes at any block of the hold's work begins as soon as in a device that holds nothing.
 #[test]
-fn an_emergency_stop_is_as_fast_as_without() {
+fn an_emergency_stop_is_as_fast_as_without_a_hold() {
     let delay = |is_holding: bool, blocks: u64, block_waits: bool| -> (SampleIndex, SampleIndex) {
         let options = Options { block_waits, ..Options::default() };
         let (mut rig, finger) = touched(options);

@@ -207,7 +207,7 @@ fn what_a_finger_on_aluminium_takes_is_given_back_within_five_time_constants() {
 }
 
 #[test]
-fn it_is_stable_on_every_preset() {
+fn the_hold_is_stable_on_every_preset() {
     for name in ["membrane-heavy", "al-bending-displacement", "al-sh", "paper-rubber", "paper-as-printed"] {
         comes_and_goes(half_of(name));
     }

@@ -99,7 +99,7 @@ fn one_drag_a_second_keeps_the_shortest_lease_but_one() {
 }
 
 #[test]
-fn chords_combs_and_rises_of_the_trigger_input_restart_it() {
+fn chords_combs_and_rises_of_the_trigger_input_restart_the_lease() {
     //
     let tone = [(300, 0.3, 0.0)];
     for command in [

@@ -192,7 +192,7 @@ fn a_disconnect_while_the_link_closes_for_another_port_cancels_the_connect() {
 }
 
 #[test]
-fn frames_are_cloned_only_for_who_asked_for_them() {
+fn frames_are_kept_only_on_request() {
     let mut rig = LinkRig::connected();
     rig.pass_ms(1000);
     assert_eq!(rig.view().record.frames.len(), 0);
@@ -276,7 +276,7 @@ fn values_out_of_range_never_reach_the_wire() {
 }
 
 #[test]
-fn the_window_asks_for_that_stop_before_it_paints_anything() {
+fn the_window_asks_for_the_stop_on_a_panic_before_it_paints_anything() {
     // It needs a screen to run, so its source is read.
     let path = slipline_tests::source_tree::root().join("host/window/src/app/window.rs");
     let source = std::fs::read_to_string(path).unwrap();

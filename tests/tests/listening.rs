@@ -147,7 +147,7 @@ fn both_inputs_at_once_have_half_of_the_lock_ins() {
 }
 
 #[test]
-fn a_capture_has_the_codes_from_the_index_asked_for() {
+fn a_capture_has_the_codes_from_the_requested_index_on() {
     let mut rig = wired(Options::default());
     rig.accepted(&Command::Drive(drive(&[(0, 0.4, 0.8)], 2000)));
     rig.record();

@@ -74,7 +74,7 @@ fn an_ordered_fault_is_reported_with_the_time_to_mute_and_three_are_no_safe_mode
 }
 
 #[test]
-fn it_needs_a_token_and_a_silent_device_whose_amplifier_is_on() {
+fn an_ordered_fault_needs_a_token_and_a_silent_device_whose_amplifier_is_on() {
     //
     let bench = Command::Bench(ArmLease { lease_ms: 60_000 });
     let hang = |token| Command::FaultOrder(FaultOrder { fault: OrderedFault::Hang, token });
@@ -106,7 +106,7 @@ fn it_needs_a_token_and_a_silent_device_whose_amplifier_is_on() {
 }
 
 #[test]
-fn what_ends_the_state_that_it_needs_drops_the_order() {
+fn leaving_the_state_that_an_order_needs_drops_it() {
     //
     for command in every_command() {
         let is_end = matches!(

@@ -191,7 +191,7 @@ fn the_older_profile_limits_until_a_hand_on_the_board_accepts_it() {
 }
 
 #[test]
-fn where_a_profile_is_kept_the_bootloader_wants_the_button() {
+fn where_a_profile_is_kept_the_bootloader_needs_the_button() {
     // the next image would know nothing of it.
     for minor in 0..=3 {
         let mut rig = Rig::new(Options { flash: flash_with(quiet()), ..Options::default() });
@@ -208,7 +208,7 @@ fn where_a_profile_is_kept_the_bootloader_wants_the_button() {
 }
 
 #[test]
-fn its_amplitude_holds_for_drives_chords_and_combs_of_hosts_of_every_minor() {
+fn a_profiles_amplitude_holds_for_drives_chords_and_combs_of_hosts_of_every_minor() {
     // the table's gain is 1 at position 1, 0.5 at 0.
     for minor in 0..=3 {
         let mut rig = armed(quiet(), minor);
@@ -233,7 +233,7 @@ fn its_amplitude_holds_for_drives_chords_and_combs_of_hosts_of_every_minor() {
 }
 
 #[test]
-fn its_travel_holds_beside_a_sessions_and_longer_than_it() {
+fn a_profiles_travel_holds_beside_a_sessions_and_longer_than_it() {
     //
     let limit =
         |static_ppm| TravelLimit { resonance_uhz: 19_000_000_000, quality_per_mille: 2000, static_ppm };
@@ -263,7 +263,7 @@ fn its_travel_holds_beside_a_sessions_and_longer_than_it() {
 }
 
 #[test]
-fn its_longest_time_and_its_heat_bind_the_device() {
+fn a_profiles_longest_time_and_heat_bind_the_device() {
     // at 8 kS/s, so that seconds are few blocks.
     let heat = CoilHeat { winding_ms: 1000, body_ms: 1000, full_sine_per_mille: 20_000 };
     for (profile, fault) in [

@@ -243,7 +243,7 @@ fn a_device_that_another_program_keeps_taking_is_left_to_it() {
 }
 
 #[test]
-fn another_board_in_its_place_is_not_taken_for_it() {
+fn another_board_at_the_same_port_is_not_opened() {
     let mut rig = LinkRig::connected();
     rig.ports().unplug();
     rig.pass_ms(50);

@@ -119,7 +119,7 @@ proptest! {
         }
         let event = insist(&mut rig, &mut there, &mut back, &Command::TableCommit);
         prop_assert!(matches!(event, Event::Accepted(_)), "{event:?}");
-        // What still hangs in the link must do no harm either.
+        // Frames that are still in the link must do no harm either.
         for _ in 0..10 {
             let late = there.pass(&[]);
             rig.device.feed(&late);

@@ -78,7 +78,7 @@ fn a_stop_begins_in_the_block_that_waits() {
 }
 
 #[test]
-fn a_drive_that_begins_in_that_block_is_begun_and_stopped_and_one_that_would_begin_after_it_is_dropped() {
+fn a_drive_that_begins_in_the_stopped_block_is_stopped_and_a_later_one_is_dropped() {
     for (command, stop, _) in STOPS {
         for blocks in [0, 1, 2] {
             let (mut rig, mut mirror) = armed();

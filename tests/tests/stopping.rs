@@ -59,7 +59,7 @@ fn a_drive_with_a_wrong_number_is_not_sent_again_after_a_stop() {
     let lost = rig.ask(drive(0.05));
     rig.ask(Request::Stop);
     let words = rig.ports().commands.len();
-    // What takes the drive's place is refused for its number.
+    // The frame that takes the drive's place is refused for its number.
     rig.ports().rewrite = |event| match as_real(event) {
         Event::Table(_) => Event::Refused(Refusal::BadSequence { expected: 1 }),
         event => event,
@@ -97,7 +97,7 @@ fn the_repeat_of_a_stop_does_not_end_a_drive_requested_after_it() {
 }
 
 #[test]
-fn the_repeat_of_an_emergency_stop_does_not_undo_what_was_asked_for_after_it() {
+fn the_repeat_of_an_emergency_stop_does_not_undo_a_later_request() {
     //
     let mut rig = driving();
     rig.ports().drop_replies = 1;

@@ -133,7 +133,7 @@ fn two_tables_stored_in_turn_wear_the_flash_by_16_erasures_and_one_a_minute() {
     }
     let erasures = maintenance(&mut rig).erasures;
     assert!((16 + 5..=16 + 11).contains(&erasures), "{erasures}");
-    // What is kept already costs nothing.
+    // A table that the flash holds already costs nothing.
     let kept = rig.send(&Command::Store);
     assert!(matches!(kept, Event::Unchanged(_) | Event::Refused(_)), "{kept:?}");
     // To a host of 1.2 it is a store that failed.

@@ -19,7 +19,7 @@ fn rises(device: &mut SimulatedDevice, blocks: u64) -> Vec<SampleIndex> {
 }
 
 #[test]
-fn it_rises_at_the_index_that_was_answered_in_blocks_that_follow_each_other_too() {
+fn the_trigger_rises_at_the_answered_index_even_in_successive_blocks() {
     let mut rig = Rig::armed();
     let mut answered = Vec::new();
     let mut seen = Vec::new();
@@ -43,7 +43,7 @@ fn it_rises_at_the_index_that_was_answered_in_blocks_that_follow_each_other_too(
 }
 
 #[test]
-fn it_rises_with_a_table_that_comes_into_force_while_armed() {
+fn the_trigger_rises_with_a_table_that_comes_into_force_while_armed() {
     let mut rig = Rig::armed();
     rig.stage(&Table::line(65, 50_000.0, 30_000.0, |_| 1.0));
     let at = rig.accepted(&Command::TableCommit);
@@ -56,7 +56,7 @@ fn it_rises_with_a_table_that_comes_into_force_while_armed() {
 }
 
 #[test]
-fn it_does_not_rise_for_what_begins_no_program() {
+fn the_trigger_does_not_rise_where_no_program_begins() {
     let mut rig = Rig::armed();
     rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 2000)));
     rises(&mut rig.device, 40);
@@ -67,7 +67,7 @@ fn it_does_not_rise_for_what_begins_no_program() {
 }
 
 #[test]
-fn it_does_not_rise_for_a_program_that_is_dropped_or_whose_block_is_late() {
+fn the_trigger_does_not_rise_for_a_program_that_is_dropped_or_whose_block_is_late() {
     let mut rig = Rig::armed();
     let apply = Apply::At(rig.device.now() + 40 * BLOCK);
     let later = Command::Drive(slipline_protocol::command::Drive { apply, ..drive(&[(0, 0.2, 0.5)], 2000) });

@@ -38,7 +38,7 @@ fn begun(rig: &mut Rig, blocks: u64) -> Vec<SampleIndex> {
 }
 
 #[test]
-fn it_begins_with_the_first_block_that_is_rendered_after_the_rise() {
+fn a_waiting_drive_begins_with_the_first_block_that_is_rendered_after_the_rise() {
     let mut rig = Rig::armed();
     for position in [0.1, 0.6] {
         let from = rig.accepted(&waiting(position));
@@ -70,7 +70,7 @@ fn a_rise_that_came_before_counts_for_nothing() {
 }
 
 #[test]
-fn it_waits_until_nothing_moves_that_it_was_planned_from() {
+fn a_drive_waits_until_the_motion_that_it_was_planned_from_rests() {
     let mut rig = Rig::armed();
     rig.accepted(&Command::Drive(drive(&[(0, 0.1, 0.5)], 2000)));
     begun(&mut rig, 100);
@@ -86,7 +86,7 @@ fn it_waits_until_nothing_moves_that_it_was_planned_from() {
 }
 
 #[test]
-fn a_newer_drive_takes_its_place_and_a_table_waits_for_it() {
+fn a_newer_drive_replaces_a_waiting_one_and_a_table_waits_for_it() {
     let mut rig = Rig::armed();
     rig.accepted(&waiting(0.1));
     rig.stage(&Table::line(65, 50_000.0, 30_000.0, |_| 1.0));
@@ -104,7 +104,7 @@ fn a_newer_drive_takes_its_place_and_a_table_waits_for_it() {
 }
 
 #[test]
-fn stops_disarming_and_a_hello_drop_it() {
+fn stops_disarming_and_a_hello_drop_a_waiting_drive() {
     for command in [Command::Stop, Command::EmergencyStop, Command::Disarm] {
         let mut rig = Rig::armed();
         rig.accepted(&waiting(0.1));
@@ -123,7 +123,7 @@ fn stops_disarming_and_a_hello_drop_it() {
 }
 
 #[test]
-fn the_dead_man_and_a_fault_drop_it() {
+fn the_dead_man_and_a_fault_drop_a_waiting_drive() {
     let mut rig = Rig::armed();
     rig.accepted(&waiting(0.1));
     begun(&mut rig, 10);
@@ -207,7 +207,7 @@ impl Watched {
 }
 
 #[test]
-fn the_mirror_goes_no_further_than_is_known_and_is_exact_once_it_is() {
+fn the_mirror_waits_for_the_reported_rise_and_is_exact_from_there_on() {
     let mut watched = Watched::new();
     watched.perform(Request::Play(Sounding::Drive(DriveRequest::at(&[(0.02, 0.4)]))));
     watched.pass(20_000);

@@ -238,7 +238,7 @@ fn no_page_comment_text_or_test_name_is_a_riddle() {
 fn a_riddle_is_found_in_pages_comments_texts_and_test_names_and_not_in_code() {
     for (file, source) in [
         ("a.md", "The line\nis what the window shows."),
-        ("a.md", "To choose the frequency is to move the line."),
+        ("a.md", "To press the button is to stop the device."),
         ("a.rs", "    // The plate that\n    // is there of the two."),
         ("a.rs", "let text = \"cannot be had\";"),
         ("a.rs", "#[test]\n#[ignore = \"long\"]\nfn a_fault_is_told() {}"),

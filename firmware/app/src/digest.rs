@@ -191,7 +191,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_is_the_protocols_crc_of_the_windows_codes_wherever_the_window_begins_and_ends(
+        fn a_digest_is_the_protocols_crc_of_the_windows_codes_wherever_the_window_begins_and_ends(
             codes in prop::collection::vec(0u16..4096, 4 * BLOCK),
             from in 0u64..300,
             count in 1u32..200,

@@ -43,7 +43,7 @@
 )]
 #![expect(
     async_fn_in_trait,
-    reason = "the ports are used by generics in one task, whose executor sees the type"
+    reason = "only generic code in one task uses the ports, and its executor sees the concrete type"
 )]
 #![cfg_attr(
     not(test),

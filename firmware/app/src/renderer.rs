@@ -56,7 +56,7 @@ pub struct Renderer {
     tones: [ToneBlock; TONES],
     /// Whether each of them ends as it starts.
     is_steady: bool,
-    /// Whether none of them can be heard.
+    /// Whether all of them are silent.
     is_quiet: bool,
     samples: [i32; BLOCK],
     /// Clamped samples in this block, and the energy it added.
@@ -321,7 +321,7 @@ impl Renderer {
 
     /// Handles an amplifier that has gone off by itself: the stop input was open, blocks were missing for too long, or the supervisor has
     /// muted it.
-    /// An armed device latches the fault even in silence, because the next drive would not be heard.
+    /// An armed device latches the fault even in silence, because the next drive would not sound.
     fn was_muted<M: RawMutex>(&mut self, was_stopped: bool, mailbox: &Mailbox<M>) {
         self.muted = true;
         if was_stopped {

@@ -93,7 +93,7 @@ impl Session {
         // The host of another session may be older than this one's.
         let minor = if session == self.id { self.minor } else { Minor::FIRST };
         let sequence = incoming.header.sequence;
-        // What a host can ask, it can read the answer to; were it not so, it would get this refusal.
+        // A host can read the answer to everything that it can ask. If it could not, it would get this refusal.
         let reply = event
             .frame_for(minor, session, sequence)
             .or_else(|_| Event::Refused(Refusal::NotSupported).frame_for(minor, session, sequence));

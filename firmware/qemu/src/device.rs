@@ -171,7 +171,7 @@ impl DacStream for ShownDac {
 
     async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun> {
         self.room().await;
-        // Never an underrun: if the host computer does not run the emulator for a while, no sample is missing.
+        // This DAC reports no underrun: it loses no sample while the host computer does not run the emulator.
         BLOCKS_DUE.fetch_sub(1, Relaxed);
         if SHOWN_BLOCKS.load(Relaxed) > 0 {
             SHOWN_BLOCKS.fetch_sub(1, Relaxed);

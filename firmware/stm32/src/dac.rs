@@ -11,8 +11,8 @@
 //! from software. Latency: a block is rendered when a half becomes free, and sounds one block later (128 codes = 320 us
 //! at 400 kS/s).
 //!
-//! A missed deadline shows in two ways. Both are reported as [`Underrun`], the late block is not played, and what is heard
-//! is one line to mid-scale:
+//! A missed deadline shows in two ways. Both are reported as [`Underrun`], the late block is not played, and the output
+//! goes to mid-scale in one line:
 //! * the renderer is late: the DMA enters, or is about to enter, a half that was not written. It then plays the line that
 //!   the interrupt put there; see `ring`.
 //! * the DMA is late: the DAC's next trigger comes before the DMA has answered the last request. The DAC sets DMAUDR,
@@ -309,7 +309,7 @@ pub(crate) fn fetched() -> u32 {
 /// Sets the DAC to mid-scale at once and until the reset, from any state of the program: for the fault handlers.
 pub(crate) fn silence() {
     SAMPLE_TIMER.cr1().modify(|w| w.set_cen(false));
-    // Without trigger the value goes through to the pin one APB cycle later.
+    // Without a trigger, a value reaches the pin one APB cycle after it is written.
     pac::DAC1.cr().modify(|w| {
         w.set_ten(0, false);
         w.set_dmaen(0, false);

@@ -265,7 +265,7 @@ struct Facts {
 
 /// The stop input's pin, and what the actuator's profile has made of it.
 enum FoundStopInput {
-    /// Untouched, as before there were profiles.
+    /// No profile is in force: the pin stays as the reset leaves it.
     Unused(Flex<'static>),
     /// None is fitted: an input that is pulled up.
     NotFitted(Flex<'static>),

@@ -1,4 +1,5 @@
-//! Copies the renderer's most costly code and its tables into RAM, and zeroes the states that have a memory of their own.
+//! Copies the renderer's most costly code and its tables into RAM, and zeroes the states in a section of their own, which the
+//! start-up code leaves alone.
 //!
 //! The flash needs wait states. Its accelerator hides them only while code runs straight on or fits into a small cache.
 //! The kernels do not fit, and the tables are read at random. `memory/fast.x` lists what lies in RAM instead.

@@ -109,8 +109,8 @@ impl Halves {
         self.written.load(Relaxed).wrapping_sub(1)
     }
 
-    /// Codes that the DMA has fetched since it began, modulo 2^32. Exact if the DMA's interrupt has never been late by a
-    /// block; it may be pending.
+    /// Codes that the DMA has fetched since it began, modulo 2^32. Exact unless the DMA's interrupt has been late by a whole
+    /// block; an interrupt that is pending during the call is counted.
     pub(crate) fn fetched(&self, ring: &impl Ring) -> u32 {
         let mut played = self.played.load(Relaxed);
         loop {

@@ -78,7 +78,7 @@ impl FromHost {
         let flags = RECEIVE_WAY.take_flags();
         let end = write_place();
         let after = RECEIVE_WAY.flags();
-        // What the DMA has counted is in memory.
+        // From here on the memory holds every byte that the DMA has counted.
         cortex_m::asm::dmb();
         let both_flags = (flags.half || after.half) && (flags.whole || after.whole);
         let is_late = self.0.look(end, both_flags);
@@ -127,7 +127,7 @@ impl Read for FromHost {
                 return Poll::Ready(Ok(count));
             }
             READER.register(context.waker());
-            // What has happened before counts for nothing: the ring has been looked at.
+            // Earlier flags mean nothing: the ring has been read since.
             UART.icr().write(|w| {
                 w.set_cmf(true);
                 w.set_idle(true);

@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn rest_helps_where_only_the_way_is_refused() {
+    fn a_pause_at_rest_helps_where_only_the_glide_is_refused() {
         let travel =
             |allowed_per_mille| refusal::Refusal::Travel { travel_per_mille: 2000, allowed_per_mille };
         let headroom = refusal::Refusal::Headroom { sum_per_mille: 1500 };

@@ -50,7 +50,7 @@ mod tests {
     use slipline_link::protocol::event::{State, Status};
 
     #[test]
-    fn what_is_new_is_reported_once() {
+    fn each_change_is_reported_once() {
         let mut before = Snapshot::default();
         before.link.state = LinkState::Connected;
         let status =

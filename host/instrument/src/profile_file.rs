@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_recognised_by_any_of_its_fields_and_no_other_text_is() {
+    fn a_profile_is_recognised_by_any_of_its_fields_and_no_other_text_is() {
         let whole = write(&read("name = \"x\"\nmax_sum = 0.5").unwrap());
         for text in ["max_sum = 2.0", "name = \"x\"\n[travel]\nquality = 2.0", whole.as_str()] {
             assert!(is_one(text), "{text}");
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named_with_its_range() {
+    fn a_bad_field_of_a_profile_is_named_with_its_range() {
         let says = |text: &str| read(text).unwrap_err().to_string();
         assert_eq!(says("name = \"x\"\nmax_sum = 1.2"), "max_sum = 1.2: must be 0.001 to 1");
         assert_eq!(says("name = \"x\"\nmax_rise_db = -1"), "max_rise_db = -1: must be 0 to 20");

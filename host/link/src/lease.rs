@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_restarts_it_and_a_disarm_ends_it() {
+    fn a_drive_restarts_the_lease_and_a_disarm_ends_it() {
         let mut lease = Lease::default();
         lease.drive(50);
         assert_eq!(lease.take_status(&status(State::Idle, u64::MAX)), None, "none was asked for");

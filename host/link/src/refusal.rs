@@ -31,7 +31,7 @@ pub enum Refusal {
         at: u64,
     },
     /// The device has accepted to enter its bootloader, and runs the same program again.
-    #[error("the device restarted and is not in its bootloader: hold BOOT0 while it is reset")]
+    #[error("the device restarted and is not in its bootloader: hold BOOT0 while you reset it")]
     NotInBootloader,
     /// The device replied with an event that does not belong to the command.
     #[error("the device's reply does not belong to the command")]

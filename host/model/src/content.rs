@@ -24,7 +24,7 @@ const PICTURE: &str = "it is a picture: export the numbers as CSV";
 const DOCUMENT: &str = "it is a document: export the numbers as CSV";
 const NUMBERS: &str = "it is a file of another program's own format: export the numbers as CSV";
 
-/// Where a file has which bytes, and what it is then. The first that fits counts.
+/// Offset, bytes there, and the content that they mean. The first row that fits counts.
 const MARKS: &[(usize, &[u8], Content)] = &[
     (0, b"RIFF", Content::Wav),
     (0, b"RF64", Content::Wav),

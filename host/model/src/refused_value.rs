@@ -27,7 +27,7 @@ pub enum Given {
 }
 
 impl RefusedValue {
-    /// What an error, or the first of its sources that does, knows of a refused value; and the sentence of that one.
+    /// The refused value of an error, or of the first of its sources that has one; and the sentence of that error.
     #[must_use]
     pub fn of(error: &(dyn Error + 'static)) -> Option<(Self, String)> {
         let mut next = Some(error);

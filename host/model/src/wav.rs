@@ -81,7 +81,7 @@ impl Wav {
         Self { bytes, format, values }.checked()
     }
 
-    /// Reads a lossless file of another format than WAV, which `name` is.
+    /// Reads a lossless file of the format `name`, which is not WAV.
     ///
     /// # Errors
     /// As [`Wav::read`].

@@ -99,7 +99,8 @@ pub use time::{
     TimeDomainLine,
 };
 
-/// A text that is part of the program, such as the name of a field. Under this name serde does not borrow it.
+/// A text that is part of the program, such as the name of a field. serde's derive would borrow a field of type `&str` from its
+/// input; it does not recognise this alias as a reference.
 pub type StaticText = &'static str;
 
 #[cfg(doctest)]

@@ -339,7 +339,7 @@ fn thin_plate(plate: &Plate, x: f64) -> Light {
 }
 
 #[test]
-fn the_light_warns_where_a_film_is_stiff_and_a_stiffer_one_is_refused_with_the_thickness_that_is_not() {
+fn the_light_warns_where_a_film_is_stiff_and_a_stiffer_one_is_refused_with_the_largest_thickness() {
     let near = thin_plate(&plate(), 0.1);
     assert_eq!(near.colour, Colour::Green);
     assert!(near.sentence.starts_with("The film's stiffness makes the plate 4."), "{}", near.sentence);

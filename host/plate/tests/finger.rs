@@ -63,7 +63,7 @@ fn in_both(plate: &Plate, finger: &Finger, frequency_hz: f64) -> (Felt, Felt) {
 }
 
 #[test]
-fn a_finger_at_the_peak_leaves_what_the_two_dimensional_plate_leaves() {
+fn a_finger_at_the_peak_damps_the_line_as_it_damps_the_plate_in_two_dimensions() {
     let bending = led_in();
     for (plate, frequency_hz, fingers) in [
         (

@@ -82,7 +82,7 @@ fn every_law_has_at_a_frequency_the_loss_of_that_frequency() {
 }
 
 #[test]
-fn the_sheet_in_two_dimensions_has_it_too() {
+fn the_sheet_in_two_dimensions_has_the_loss_exponent_too() {
     for (kind, plate) in
         plates().into_iter().filter(|(kind, _)| ["membrane", "in a baffle", "bending"].contains(kind))
     {

@@ -94,7 +94,7 @@ fn row(plate: &Plate) -> String {
 }
 
 #[test]
-fn the_readme_has_these_figures() {
+fn the_readme_has_the_figures_of_merit() {
     let page = include_str!("../PERFORMANCE.md");
     let missing: Vec<String> = presets()
         .iter()

@@ -241,7 +241,7 @@ fn stripes_are_as_far_apart_as_the_nodes_of_the_field() {
 }
 
 #[test]
-fn two_tones_beat_at_the_frequency_and_place_that_were_asked_for() {
+fn two_tones_beat_at_the_requested_frequency_and_place() {
     let plate = preset("al-sh").expect("a preset");
     let table = DriveTable::build(&plate, SAMPLE_RATE_HZ, 1025).expect("has a table");
     let palette = Palette::new(&plate, &table);

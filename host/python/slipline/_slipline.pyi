@@ -73,7 +73,7 @@ class Device:
     @property
     def closed(self, /) -> bool:
         """
-        Whether the block has been left, and the connection with it.
+        Whether the block has ended, and with it the connection.
         """
     def disarm(self, /) -> None:
         """

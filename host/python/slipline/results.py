@@ -553,7 +553,7 @@ class TextureTone(Result):
     second_boundary_felt_to_m: float | None
     """Where a finger feels this harmonic end; None where it does not end on the plate, is not felt, or without harmonics; m."""
     second_boundary_m: float | None
-    """Where the harmonic of the drive turns that is felt most beyond the felt edge; None without harmonics in the plate file; m."""
+    """Turning point of the drive's harmonic that is felt most beyond the felt edge; None without harmonics in the plate file; m."""
     turning_point_m: float
     """Where the wave turns; m."""
 
@@ -680,7 +680,7 @@ class DriveTone(Result):
     second_boundary_felt_to_m: float | None
     """Where a finger feels this harmonic end; None where it does not end on the plate, is not felt, or without harmonics; m."""
     second_boundary_m: float | None
-    """Where the harmonic of the drive turns that is felt most beyond the felt edge; None without harmonics in the plate file; m."""
+    """Turning point of the drive's harmonic that is felt most beyond the felt edge; None without harmonics in the plate file; m."""
     turning_point_m: float
     """Where the wave turns; m."""
 

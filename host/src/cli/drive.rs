@@ -121,7 +121,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let stopped_at = device.stop()?;
     let hold = holder.as_ref().map(Holder::value);
     let clipped_samples = device.snapshot().drive.status.map(|status| status.counters.clips);
-    // Before anything is written, because the reader of the output may be slow.
+    // The drive ends before the answer is written: its reader may be slow.
     device.disarm()?;
     let value = json!({
         "port": arguments.port.port()?.to_string(),

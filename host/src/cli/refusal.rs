@@ -44,7 +44,7 @@ impl Refusal {
         json!({ "low": low, "high": high, "unit": unit })
     }
 
-    /// What an error, or the first of its sources that does, knows of a refused value.
+    /// The refusal of an error, or of the first of its sources that has a refused value.
     pub(super) fn of(error: &(dyn Error + 'static)) -> Option<Self> {
         if let Some(ProfileFileError::OutOfRange { field, got, min, max }) = error.downcast_ref() {
             let refusal = Self::new(error.to_string(), field, json!(got));

@@ -181,7 +181,7 @@ fn files_of_other_programs_calibrate_as_well_as_the_own_form() {
         assert!((half_widths(&value) / half_widths(&own) - 1.0).abs() < 1e-3, "{value} {own}");
         let noisy = json(&calibrate(&files.map(|it| it.as_path()), &[more, &["--snr", "30dB"]].concat()));
         let level_db = |value: &Value| number(value, "level_tolerance_db");
-        // What the model may miss is in both, and is most of the level's interval here.
+        // Both include the model's error, which is most of the level's interval here.
         assert!(level_db(&noisy) > level_db(&value), "{noisy} {value}");
         let loss = |value: &Value| {
             let loss = &value["parameters"][1];
@@ -221,7 +221,7 @@ fn files_of_other_programs_calibrate_as_well_as_the_own_form() {
 }
 
 #[test]
-fn calipers_tell_the_widths_beforehand() {
+fn calipers_state_the_widths_beforehand() {
     let plate = actual();
     let (near, far) = (measured(&plate, 0.032), measured(&plate, 0.176));
     let (near, far) = (data("caliper-near.csv", &near), data("caliper-far.csv", &far));

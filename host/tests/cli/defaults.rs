@@ -97,7 +97,7 @@ fn a_default_that_cannot_be_used_is_refused_with_its_source_where_it_is_needed()
             assert_eq!((output.status.code(), message.as_str()), (Some(0), ""), "{wanted}: {needless}");
         }
     }
-    // What stands before the file does not need it, and one setting does not need the other.
+    // An option or a variable that precedes the file needs no valid file, and one setting does not need the other.
     for (settings, variables, arguments) in [
         ("plate =", &[("SLIPLINE_PLATE", "membrane")][..], "table --knots 9"),
         ("port = 3\nplate = \"membrane\"", &[], "table --knots 9"),

@@ -168,7 +168,7 @@ fn fields_of_all() -> Vec<(&'static str, Fields)> {
     add("drive --stdin", &followed(&folder, "turning-point 160mm\n"));
     std::fs::remove_dir_all(&folder).unwrap();
     for (_, fields) in &mut all {
-        // What is null in one run and an object in another is an object.
+        // A field that is null in one run and an object in another is an object.
         let paths: Vec<String> = fields.keys().cloned().collect();
         let is_object = |path: &str| {
             paths.iter().any(|other| {

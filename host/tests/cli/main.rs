@@ -130,7 +130,7 @@ fn refused(arguments: &[&str], code: i32, wanted: &[&str]) {
     }
 }
 
-/// What a command prints that is done; it ends with 0, or with 3 where a light is red.
+/// The output of a command that succeeds: exit code 0, or 3 where a light is red.
 fn said(arguments: &[&str]) -> String {
     let output = slipline(arguments);
     let error = String::from_utf8_lossy(&output.stderr);

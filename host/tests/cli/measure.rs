@@ -67,7 +67,7 @@ fn where_the_device_stands_on_the_calibrated_plate_nothing_is_left_to_correct() 
 }
 
 #[test]
-fn people_read_the_light_and_what_helps() {
+fn the_text_of_a_measurement_has_the_light_and_its_remedy() {
     let quiet =
         [&["measure"], &ALUMINIUM[..], &["--sensor", "34mm", "--points", "16", "--level", "0.002"]].concat();
     let output = slipline(&quiet);

@@ -173,7 +173,7 @@ fn nothing_else_is_answered() {
 }
 
 #[test]
-fn without_the_option_it_is_the_page_that_was_built_here_and_a_signal_ends_it_with_0() {
+fn without_the_option_the_page_that_was_built_here_is_served_and_a_signal_ends_it_with_0() {
     let outside = built("page-default");
     for option in ["-INT", "-TERM"] {
         let serving = start(&outside, &[]);

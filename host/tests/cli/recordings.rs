@@ -4,7 +4,7 @@ use super::failure;
 use std::path::Path;
 
 #[test]
-fn a_recording_is_read_whatever_its_head_and_another_file_is_called_what_it_is() {
+fn a_recording_with_any_header_is_read_and_another_file_is_refused_by_its_kind() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/recordings");
     let played = folder.join("sweep.toml");
     let mut count = 0;

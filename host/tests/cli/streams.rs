@@ -94,7 +94,7 @@ fn redirected(command: &str, redirections: &str) -> (Option<i32>, String) {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn what_a_full_output_loses_is_a_failure_in_a_sentence() {
+fn a_full_output_is_a_failure_with_a_sentence() {
     let full = "slipline: standard output: no space left on device\n";
     for command in ["--version", "--help", "drive --help", "presets", "completions bash", "ports"] {
         assert_eq!(redirected(command, ">/dev/full"), (Some(1), full.to_owned()), "{command}");

@@ -58,7 +58,7 @@ fn stripes_and_beats_name_their_tones() {
 }
 
 #[test]
-fn the_setup_that_it_writes_is_played() {
+fn the_setup_that_texture_writes_is_played() {
     let setup = file("texture.toml");
     let path = setup.to_str().unwrap();
     let value = texture(&["--solid", "280mm", "--tones", "4", "--out", path]);

@@ -3,7 +3,7 @@
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
 use std::process::{Command, Stdio};
 
-/// Users that nobody is.
+/// Ids of users that do not exist begin here.
 const NOBODIES: u32 = 64_000;
 
 /// Exit code and errors of a command of a user who may run this many threads.

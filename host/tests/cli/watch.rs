@@ -46,7 +46,7 @@ fn the_status_comes_as_lines_until_a_signal_ends_it_with_0() {
 }
 
 #[test]
-fn what_only_looks_arms_nothing() {
+fn commands_that_only_look_arm_nothing() {
     for command in ["info", "profile"] {
         let socket = Socket::serve(&format!("looks-{command}"));
         let port = format!("unix:{}", socket.path.display());
@@ -59,7 +59,7 @@ fn what_only_looks_arms_nothing() {
 }
 
 #[test]
-fn it_ends_when_the_reader_of_its_lines_leaves() {
+fn watch_ends_when_the_reader_of_its_lines_leaves() {
     let socket = Socket::serve("unread");
     let (child, mut lines) = watching(&socket);
     assert!(lines.next().is_some());

@@ -185,7 +185,7 @@ impl Hand {
         measured += self.measure();
         self.press(Role::Button, "Next");
         self.page(5);
-        // What was driven before it was measured goes on by itself.
+        // A drive that the measurement interrupted resumes by itself.
         self.press(Role::Button, "Use this plate");
         self.wait("a drive", |seen| seen.iter().any(|it| it.name == "State: driving").then_some(()));
         let took = began.elapsed() - measured;

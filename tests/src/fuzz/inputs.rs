@@ -34,7 +34,7 @@ impl SimulatedInputs for Heard {
     }
 }
 
-/// What has been ordered last of each kind, with the index in the answer.
+/// The last order of each kind, with the index in its answer.
 #[derive(Default)]
 struct Ordered {
     listen: Option<(SampleIndex, ListenWindow)>,
@@ -42,7 +42,7 @@ struct Ordered {
     /// Whether the capture was stopped, or a block was lost since one of the two was ordered.
     is_cut: bool,
     lost: u32,
-    /// Whether a hold has changed what sounds, or may have.
+    /// Whether a hold has changed the sounding levels, or may have changed them.
     has_held: bool,
 }
 

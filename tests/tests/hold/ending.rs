@@ -68,7 +68,7 @@ fn window() -> ListenWindow {
 }
 
 #[test]
-fn any_change_of_the_tones_ends_it_and_the_codes_match_a_device_without() {
+fn any_change_of_the_tones_ends_the_hold_and_the_codes_match_a_device_without_one() {
     let levels = [(2, 0.1), (5, 0.2)];
     let other = || sounds(&[(2, 0.3), (7, 0.1)]);
     let later = Command::Drive(slipline_protocol::command::Drive {
@@ -108,7 +108,7 @@ fn any_change_of_the_tones_ends_it_and_the_codes_match_a_device_without() {
 }
 
 #[test]
-fn a_table_a_lost_host_a_fault_and_a_new_session_end_it() {
+fn a_table_a_lost_host_a_fault_and_a_new_session_end_the_hold() {
     let levels = [(2, 0.1), (5, 0.2)];
     let (mut rig, _) = holding(Options::default(), &levels);
     rig.upload(&Table::line(65, 60_000.0, 20_000.0, |_| 0.5));
@@ -133,7 +133,7 @@ fn a_table_a_lost_host_a_fault_and_a_new_session_end_it() {
 }
 
 #[test]
-fn the_lock_ins_are_its_own_meanwhile() {
+fn the_lock_ins_belong_to_the_hold_while_it_runs() {
     let (mut rig, _) = touched(Options::default());
     rig.accepted(&sounds(&[(2, 0.1)]));
     rig.live_ms(10);

@@ -67,7 +67,7 @@ proptest! {
 }
 
 #[test]
-fn no_way_to_silence_passes_the_amplitude() {
+fn no_fade_to_silence_exceeds_the_profiles_amplitude() {
     // the drive keeps within a tenth of full scale where the table's gain is low; a drive to level 0 leads it, while it still
     // sounds, to where the gain is high.
     let quiet = ActuatorProfile { max_sum_per_mille: 100, ..plain() };

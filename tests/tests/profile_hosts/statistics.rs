@@ -7,7 +7,7 @@ proptest! {
 
     #[test]
     #[ignore = "statistics: .ci/run statistics"]
-    fn the_same_of_a_thousand_hosts_for_the_travel(
+    fn a_thousand_hosts_keep_the_actuator_within_its_travel(
         max_sum_per_mille in 100u16..=1000,
         static_travel in 0.1..3.0,
         minor in 0u8..=3,
@@ -23,7 +23,7 @@ proptest! {
 
     #[test]
     #[ignore = "statistics: .ci/run statistics"]
-    fn the_same_of_nine_thousand_hosts_for_all_else(
+    fn nine_thousand_hosts_keep_to_amplitude_rise_time_lease_and_hand(
         profile in profiles(),
         lease_ms in prop::option::of(1000u32..4000),
         minor in 0u8..=3,

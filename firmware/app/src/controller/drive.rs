@@ -219,7 +219,7 @@ fn refuse_unless_fading<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<(), Refusal
     if mailbox.view().motion.ends_silent() { Ok(()) } else { Err(Refusal::Busy(Busy::DriveActive)) }
 }
 
-/// The answer to a drive with this glide, in samples: its end, if the glide takes longer.
+/// The answer to a drive that orders a glide of `glide` samples. It states the end of the glide if the device makes it longer.
 pub(super) const fn answer(published: AcceptedUntil, glide: u32) -> Event {
     let AcceptedUntil { at, until } = published;
     if until > at.saturating_add(glide as u64) {

@@ -366,7 +366,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_are_the_same_both_ways_to_a_hundredth_of_a_decibel() {
+    fn every_correction_survives_the_conversion_to_octaves_and_back() {
         for cdb in -MAX_HOLD_CDB..=MAX_HOLD_CDB {
             let ratio = octaves(CentiDecibel(cdb));
             assert!(ratio >= Octaves(-Octaves::MAX.0) && ratio <= Octaves::MAX, "{cdb}");

@@ -17,8 +17,8 @@ use crate::store;
 use crate::upload::Upload;
 
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
-    /// Reads the profile and puts it in force, and latches a fault if something of it was lost. Behind the table, whose travels
-    /// it needs.
+    /// Reads the profile and puts it in force, and latches a fault if something of it was lost. Call it after the table is
+    /// loaded: the profile's limits need the table's travels.
     #[inline(never)]
     pub(super) fn load_profile<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         let (profile, mut stored) = store::load_profile(&mut self.flash);

@@ -251,7 +251,7 @@ fn a_new_session_knows_no_digest_of_the_last() {
 }
 
 #[test]
-fn who_arms_after_the_token_was_shown_stays() {
+fn arming_after_the_token_was_shown_keeps_the_device_out_of_its_bootloader() {
     // by the same session or by one that took over.
     for takes_over in [false, true] {
         let mut rig = Rig::armed();

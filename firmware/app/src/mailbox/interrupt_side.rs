@@ -132,7 +132,7 @@ impl<M: RawMutex> Mailbox<M> {
             shared.outline().table
         });
         self.live().fade(here);
-        // Not under the lock: it divides.
+        // Computed outside the lock: a division takes long.
         let outline = Outline::fading(here, index, ramp, table);
         self.shared.lock(|shared| {
             shared.live.get().of(&shared.outlines).set(outline);

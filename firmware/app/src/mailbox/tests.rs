@@ -33,7 +33,7 @@ fn mailbox() -> Box<Local> {
 }
 
 #[test]
-fn one_set_up_in_used_memory_equals_a_new_one() {
+fn a_mailbox_set_up_in_used_memory_equals_a_new_one() {
     let (used, _) = sounding();
     let mut place = Box::new(MaybeUninit::new(*used));
     let (set_up, new) = (Local::new_in(&mut place), Local::new());

@@ -102,7 +102,7 @@ impl Planner<'_> {
     pub fn place_comb(&self, comb: &Comb, table: TableRef, tones: &mut ChordTones) -> Result<(), Refusal> {
         self.check_ranges(table, comb.master, comb.glide)?;
         tones.set_comb(comb, table.knots, |index| self.slots.knot(table.slot, index))?;
-        // They must fit whatever their phases.
+        // The tones must fit for any phases.
         Refusal::check_sum(tones.sum(), Gain::FULL)
     }
 

@@ -144,7 +144,7 @@ mod tests {
         }
 
         #[test]
-        fn a_record_with_a_flipped_bit_is_none(at in 0..CrashRecord::BYTES, bit in 0..8u8) {
+        fn a_record_with_a_flipped_bit_is_rejected(at in 0..CrashRecord::BYTES, bit in 0..8u8) {
             let mut bytes = CrashRecord::crashed(ResetCause::HardFault, 1, &"bus error").encode();
             bytes[at] ^= 1 << bit;
             prop_assert_eq!(CrashRecord::decode(&bytes), None);

@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_still_task_keeps_the_watchdog_hungry() {
+    fn one_stalled_task_ends_the_feeding_of_the_watchdog() {
         let mut supervisor = Supervisor::new();
         let pulses = |renderer, link, safety| Pulses { renderer, link, safety };
         assert!(supervisor.may_feed(pulses(1, 1, 1)));

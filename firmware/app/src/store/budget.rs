@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sixteen_in_a_row_then_one_a_minute() {
+    fn sixteen_stores_in_a_row_are_allowed_then_one_a_minute() {
         let timing = Timing::at(400_000);
         let minute = 60 * 400_000;
         let mut budget = Budget::FULL;

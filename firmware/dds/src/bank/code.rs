@@ -7,7 +7,7 @@ use super::portable::Portable;
 pub use super::quantize::{MAX_CODE, MID_SCALE};
 use super::quantize::{ROUND, quantize};
 
-/// What a block of codes comes to.
+/// Clamped samples and energy of a block of codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Conversion {
     /// How many samples had to be clamped.

@@ -121,7 +121,7 @@ impl Instrument {
             self.use_calibrated(plate);
             // The page with the stage, where the rings lie on the curve now.
             self.out.push(Output::Open(Page::Boundary));
-            // What was driven before it was measured goes on; a real plate only when its user drives it.
+            // A drive that the measurement interrupted resumes by itself on the simulated plate alone.
             if self.lab.take_owed_drive() && self.drive.snapshot().is_simulated() {
                 self.start();
             }

@@ -70,7 +70,7 @@ impl Instrument {
             })
         });
         let Some((plate, text)) = other else {
-            return self.out.post("There is no before and after: no calibrated plate is in use.".to_owned());
+            return self.out.post("Nothing to compare: no calibrated plate is in use.".to_owned());
         };
         let plate = Arc::clone(plate);
         self.turn_to_plate(&plate, None);

@@ -227,7 +227,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn why_drive_acts_later_ends_with_the_state_and_not_what_was_done_meanwhile() {
+    fn a_change_of_the_state_removes_the_reason_of_a_delay_and_no_other_notice() {
         let mut out = Outbox::default();
         out.delay("Later".to_owned());
         out.post("Saved".to_owned());

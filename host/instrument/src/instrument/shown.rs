@@ -252,7 +252,7 @@ pub struct LiveScene<'a> {
     pub draft: &'a MeasureDraft,
     /// How far a measurement is, while one is under way.
     pub progress: Option<Progress>,
-    /// What it has heard so far, while the response at a sensor is measured.
+    /// The points measured so far, while the response at a sensor is measured.
     pub so_far: Option<SoFar<'a>>,
     /// Whether the check of the drive is under way.
     pub is_checking: bool,

@@ -175,7 +175,7 @@ fn the_newest_change_counts_a_stop_ends_every_source_and_the_user_alone_drives_a
 }
 
 #[test]
-fn what_an_edit_has_to_say_goes_to_its_source_and_to_nobody_else() {
+fn an_edits_remark_goes_to_its_source_alone() {
     let (mut instrument, _wire) = driven();
     let program = Gesture { source: EditSource::Program("score"), number: 1 };
     let full = Edit::Level { slot: 0, level: 1.0 };

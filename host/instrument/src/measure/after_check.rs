@@ -30,7 +30,7 @@ impl AfterCheck<Measuring> {
         if self.checking.is_some() { measured / (1.0 - SHARE) } else { measured }
     }
 
-    /// A measurement at the frequencies of its plan, in which nothing is heard yet.
+    /// A measurement at the frequencies of its plan, without measured values yet.
     pub(crate) fn planned(&self) -> Measurement {
         self.procedure.planned()
     }

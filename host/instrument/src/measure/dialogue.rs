@@ -39,7 +39,7 @@ pub(super) struct State {
     /// The plate's own table, while the device may hold another.
     pub(super) own_table: Option<Arc<DeviceTable>>,
     progress: Progress,
-    /// What a measurement has heard so far.
+    /// The points that a measurement has so far.
     pub(super) so_far: Option<Arc<Measurement>>,
     pub(super) is_checking: bool,
     /// Whether the last request was a stop and has been carried out.
@@ -228,7 +228,7 @@ impl Dialogue {
         *progress = Progress { done, all, running, ..*progress };
     }
 
-    /// States what a measurement has heard so far.
+    /// Publishes the points measured so far.
     pub(super) fn heard(&self, so_far: Measurement) {
         self.0.borrow_mut().so_far = Some(Arc::new(so_far));
     }

@@ -58,7 +58,7 @@ impl Measuring {
         self.plan.samples()
     }
 
-    /// A measurement at the frequencies of its plan, in which nothing is heard yet.
+    /// A measurement at the frequencies of its plan, without measured values yet.
     pub(super) fn planned(&self) -> Measurement {
         let combs = self.plan.combs.iter().flat_map(|comb| comb.frequencies_hz(self.plan.rate_hz));
         let mut points: Vec<MeasuredPoint> = combs

@@ -27,8 +27,8 @@ use std::f64::consts::TAU;
 /// Time constants of the plate before a window, at least: 0.25 % of the transient remain with the stated
 /// loss, 5 % with half of it.
 pub const SETTLED: f64 = 6.0;
-/// A plan of fewer combs than this, the number for 200 points, settles for as long in total as this number of
-/// combs would; each comb at most twice as long.
+/// Combs of a plan of 200 points. A plan of fewer combs spends as much time on settling in total, but at most twice as much
+/// on each comb.
 const COMBS: f64 = 13.0;
 /// Longest time to settle, seconds: a plate whose stated loss is nearly zero would take minutes.
 const SETTLE_MAX_S: f64 = 5.0;

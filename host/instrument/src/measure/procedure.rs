@@ -236,7 +236,7 @@ impl<P: Procedure> Run<P> {
         self.dialogue.state().prompt
     }
 
-    /// What a measurement has heard so far; `None` before its first answers, and of other procedures.
+    /// The points that a measurement has so far; `None` before its first answers, and of other procedures.
     #[must_use]
     pub fn so_far(&self) -> Option<Arc<Measurement>> {
         self.dialogue.state().so_far.clone()

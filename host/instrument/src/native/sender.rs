@@ -198,7 +198,7 @@ mod tests {
         let end = client.stop_at(first + 200_000, 0.02, || true).unwrap().unwrap();
         let second = client.play(tone(0.05)).unwrap();
         assert!(second > end, "{second} {end}");
-        // Farther ahead than the device takes: it is waited for until nobody does.
+        // Farther ahead than the device accepts: the call waits until its caller gives up.
         let far = TimedDrive { at: second + 400_000 * 3600, sounding: tone(0.06) };
         let mut looks = 0;
         let sent = client.play_at(far, || {

@@ -115,12 +115,12 @@ pub struct TrimmedAnswer {
     pub chi2_per_n: f64,
 }
 
-/// The fields of a later one.
+/// The fields of each later speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LaterAnswer {
     /// JSON: Time since the first measurement
     pub after_s: f64,
-    /// The wave speed then.
+    /// The wave speed at that time.
     #[serde(flatten)]
     pub now: TrimmedAnswer,
 }

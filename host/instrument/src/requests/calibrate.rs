@@ -31,7 +31,7 @@ pub fn measured<M: Borrow<Measurement>>(
 /// An edge that a finger felt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeltEdgeRequest {
-    /// What the tone was asked for by.
+    /// The place or frequency by which the tone was requested.
     pub asked: AskedPlace,
     /// Where the finger felt it end, metres from the driven end.
     pub felt_m: f64,
@@ -104,7 +104,7 @@ mod tests {
     use slipline_plate::calibrate::SensorKind;
 
     #[test]
-    fn two_or_three_places_are_of_a_sensor_and_a_current_is_alone() {
+    fn a_sensor_has_one_to_three_places_and_a_current_stands_alone() {
         let one = || Measurement::at(0.03, SensorKind::Displacement, Vec::new());
         let coil = Transducer::Coil;
         assert!(matches!(measured(&[one()], None), Some(Measured::OneSensor(_))));

@@ -351,7 +351,7 @@ fn a_rig_is_printed_in_a_line_and_not_in_all_its_numbers() {
 
 /// A sensor that weighs takes its mass along: its signal is that of the plate with the mass under it, at either place.
 #[test]
-fn a_sensor_that_weighs_stands_on_the_plate_that_it_slows() {
+fn a_sensor_with_mass_measures_the_plate_as_its_mass_changes_it() {
     let truth = secret(&preset("tungsten-membrane").expect("a preset"), 3).expect("a plate");
     let hz = 0.5 * (truth.band_hz().0 + truth.band_hz().1);
     // Whole periods in the codes that are read.

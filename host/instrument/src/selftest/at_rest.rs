@@ -51,7 +51,7 @@ impl Course {
         Ok(Moment { time, sample, device })
     }
 
-    /// Compares the clocks since this moment, which is long enough ago when this returns.
+    /// Compares the clocks since this moment; waits until it is long enough ago.
     pub(super) async fn clocks(&self, since: Moment) -> Result<StepResult, MeasureError> {
         let name = step::CLOCKS;
         let span_s = if self.is_short() { 0.0 } else { CLOCKS_S };

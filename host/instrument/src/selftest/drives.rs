@@ -74,7 +74,7 @@ impl Course {
             drives += 1.0;
         }
         if measures {
-            // What was measured does not count, but that no block was lost.
+            // The measured values do not count, only that no block was lost.
             self.dialogue.ended(end + self.samples(BEHIND_S)).await?;
         }
         self.dialogue.done(Request::ReadBoard).await?;

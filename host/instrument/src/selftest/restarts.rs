@@ -65,7 +65,7 @@ impl Kept {
     }
 }
 
-/// What came of an ordered fault.
+/// The outcome of an ordered fault.
 enum Trial {
     /// The mute pin is low where the device is armed: nothing was ordered.
     Muted,

@@ -51,7 +51,7 @@ fn one_key_shows_the_plate_before_a_calibration_and_after_it_while_the_line_stay
 }
 
 #[test]
-fn while_it_is_measured_the_plate_is_not_exchanged() {
+fn a_plate_is_not_exchanged_while_it_is_measured() {
     let mut session = Session::felt_at_bench();
     session.calibrate_by_measuring();
     session.instrument.perform_measure(MeasureIntent::Begin(None));

@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// A profile that falls along an aluminium plate, as a chord; and the plate's table.
 fn falling() -> (Setup, DriveTable) {
     let plate = slipline_plate::preset("al-bending-displacement").unwrap();
-    // As many knots as the instrument's own.
+    // The instrument builds its tables with as many knots.
     let table = DriveTable::build(&plate, 400e3, slipline_model::jobs::table::KNOTS).unwrap();
     let wish = Wish::Profile(vec![(0.01, 1.0), (0.17, 0.8), (0.2, 0.2), (0.34, 0.0)]);
     let made = {
@@ -79,7 +79,7 @@ fn a_chord_is_played_as_one_as_loud_as_it_is_drawn_until_a_tone_is_moved() {
     assert_eq!(sounds_as_chord(&session), Some(false));
     assert!(session.is_driving() && session.instrument.out.notices().next().is_none());
     assert!(matches!(played(&session)[..], [Request::Stop, Request::Play(Sounding::Drive(_))]));
-    // What was undone sounds as it did.
+    // After undo the earlier tones sound as before.
     session.instrument.undo();
     session.pass(400);
     assert_eq!(sounds_as_chord(&session), Some(true));

@@ -309,7 +309,7 @@ pub(crate) fn in_full() -> SelftestRequest {
 
 /// The steps that no message of today can show, or that the test of the amplifier alone carries out.
 const NEVER: [&str; 2] = [step::OTHERS, step::AMPLIFIER];
-/// What must take three seconds leaves these out.
+/// A test of three seconds leaves these out.
 const LONG: [&str; 2] = [step::BOOTLOADER, step::FAULTS];
 
 /// A board without a fault, with both wires.

@@ -83,7 +83,7 @@ fn orders(session: &Session) -> (usize, usize) {
 }
 
 #[test]
-fn a_drag_ends_it_and_where_the_line_rests_it_restarts() {
+fn a_drag_ends_the_hold_which_restarts_where_the_line_rests() {
     let (mut session, _) = held();
     session.attention.is_dragging = true;
     let there_mm = session.line_mm();
@@ -98,7 +98,7 @@ fn a_drag_ends_it_and_where_the_line_rests_it_restarts() {
 }
 
 #[test]
-fn stop_ends_it_and_drive_does_not_bring_it_back() {
+fn stop_ends_the_hold_and_drive_does_not_resume_it() {
     let (mut session, _) = held();
     session.instrument.press_stop();
     session.turn();
@@ -113,7 +113,7 @@ fn stop_ends_it_and_drive_does_not_bring_it_back() {
 }
 
 #[test]
-fn a_sensor_or_a_device_that_is_unplugged_ends_it_with_the_reason() {
+fn an_unplugged_sensor_or_device_ends_the_hold_with_the_reason() {
     let (mut session, shows) = held();
     shows.store(Partial::UNPLUGGED, Ordering::Relaxed);
     wait_for(&mut session, "Not held any more: every tone was lost");
@@ -131,7 +131,7 @@ fn a_sensor_or_a_device_that_is_unplugged_ends_it_with_the_reason() {
 }
 
 #[test]
-fn a_measurement_ends_it_and_while_one_runs_it_is_refused() {
+fn a_measurement_ends_the_hold_and_refuses_it_while_it_runs() {
     let (mut session, _) = held();
     session.instrument.perform_measure(MeasureIntent::Begin(None));
     session.pass(100);
@@ -152,7 +152,7 @@ fn a_measurement_ends_it_and_while_one_runs_it_is_refused() {
 }
 
 #[test]
-fn the_calibrations_look_at_the_sensor_ends_it() {
+fn the_calibrations_look_at_the_sensor_ends_the_hold() {
     let (mut session, _) = held();
     session.instrument.perform_calibrate(CalibrateIntent::Open);
     session.pass(200);
@@ -164,7 +164,7 @@ fn the_calibrations_look_at_the_sensor_ends_it() {
 }
 
 #[test]
-fn another_plate_ends_it() {
+fn another_plate_ends_the_hold() {
     let (mut session, _) = held();
     session.change_plate(membrane(1.01));
     session.pass(1500);

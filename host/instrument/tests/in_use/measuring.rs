@@ -203,7 +203,7 @@ fn cancel_stop_and_another_plate_end_a_measurement_and_nothing_is_kept() {
 }
 
 #[test]
-fn a_device_that_disconnects_ends_it_with_a_reason() {
+fn a_device_that_disconnects_ends_the_measurement_with_a_reason() {
     let mut session = begun();
     session.pass(700);
     session.plug(false, 2000);

@@ -55,7 +55,7 @@ fn each_step_opens_the_page_of_its_control_and_is_done_when_the_user_has_done_it
 }
 
 #[test]
-fn it_drives_the_simulated_plate_and_lays_a_finger_that_takes_nothing() {
+fn the_tour_drives_the_simulated_plate_and_lays_a_finger_that_takes_nothing() {
     let mut session = Session::driving();
     let setup = session.instrument.desk.setup().clone();
     session.instrument.press_stop();
@@ -76,7 +76,7 @@ fn it_drives_the_simulated_plate_and_lays_a_finger_that_takes_nothing() {
 }
 
 #[test]
-fn a_minute_is_enough_to_read_and_do_it() {
+fn a_minute_is_enough_to_read_and_do_the_tour() {
     // Slow readers take 150 words a minute; half of the minute is for the hands.
     let words: usize = TourStep::ALL.iter().map(|step| step.sentence().split_whitespace().count()).sum();
     assert!(words <= 100, "{words}");

@@ -288,7 +288,7 @@ impl CommandQueue {
     }
 
     /// Candidates for the next task: the first one that requests no result, and the requests for results
-    /// before it, which let others pass until the result may be there. No task passes one that waits for a
+    /// before it, which let others pass until the device may have the result. No task passes one that waits for a
     /// stop's reply.
     fn candidates(&self) -> impl Iterator<Item = (usize, &Task)> {
         let first = self.tasks.iter().position(|task| !task.job.asks_for_result());

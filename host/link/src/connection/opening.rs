@@ -118,7 +118,7 @@ impl<O: Opener> Connection<O> {
         Ok(())
     }
 
-    /// Waits for a port that opens later than it was asked to. The hello is sent, and counts as unanswered, only once it is
+    /// Waits for a port that opens some time after the request. The hello is sent, and counts as unanswered, only once it is
     /// open.
     pub(super) fn await_opening(&mut self) -> Next {
         self.has_more = false;

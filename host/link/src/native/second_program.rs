@@ -35,7 +35,7 @@ impl SecondProgram {
         for (Header { session, sequence, .. }, stop) in self.frames.drain(..) {
             let reply = match stop {
                 Some(stop) => stop.frame_for(Minor::FIRST, session, sequence).map(|frame| {
-                    // What the other program may be in the middle of ends here: it sends that again.
+                    // This cuts a frame that the other program may be sending; it sends the frame again.
                     line.exchange(&[&[0], &frame[..]].concat(), answers);
                 }),
                 None => Event::Refused(Refusal::StaleSession)

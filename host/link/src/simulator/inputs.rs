@@ -47,10 +47,10 @@ pub trait SimulatedInputs: Send {
     fn sample(&mut self, codes: &[u16; BLOCK], muted: bool, sensed: &mut [[u16; BLOCK]; INPUTS]);
 }
 
-/// Wires between pins of a simulated device, as a self-test asks for.
+/// The wires that a self-test uses, between pins of a simulated device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wires {
-    /// From the DAC to the sensor: it reads the DAC's codes, whatever else its inputs are.
+    /// From the DAC to the sensor's pin, which then reads the DAC's codes instead of its other source.
     pub dac_to_sensor: bool,
     /// From the trigger output to the trigger input.
     pub trigger: bool,

@@ -135,7 +135,7 @@ pub struct RespondAnswer<'a> {
     pub peak_amplitude: Option<f64>,
     /// JSON: From the peak to a tenth of its amplitude
     pub edge_width_m: f64,
-    /// What the plate in two dimensions differs by.
+    /// How the plate in two dimensions differs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub two_dimensions: Option<FieldDifferences>,
 }

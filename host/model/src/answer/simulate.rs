@@ -112,7 +112,7 @@ pub struct SimulatedTone<'a> {
     pub amplitude: Vec<Complex>,
     /// JSON: Amplitude of the tone at each place, as simulated
     pub measured_amplitude_m: Vec<f64>,
-    /// What the plate in two dimensions differs by.
+    /// How the plate in two dimensions differs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub two_dimensions: Option<TwoDimensions>,
 }

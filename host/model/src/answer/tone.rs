@@ -19,7 +19,7 @@ pub struct ToneAnswer {
     pub frequency_hz: f64,
     /// JSON, 1: Level of the tone, 0 to 1 of the table's full scale
     pub level: f64,
-    /// JSON: Where the harmonic of the drive turns that is felt most beyond the felt edge; null without harmonics in the plate
+    /// JSON: Turning point of the drive's harmonic that is felt most beyond the felt edge; null without harmonics in the plate
     /// file
     pub second_boundary_m: Option<f64>,
     /// JSON: How far this harmonic is over the threshold there; negative where it is not felt, null without harmonics

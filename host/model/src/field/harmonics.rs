@@ -21,7 +21,7 @@ fn driven(setup: &Setup, tone: &ToneSetup, wave: &ToneWave) -> DrivenTone {
 /// The waves of the harmonics of a setup's tone; `wave` is that of the tone in metres of displacement, without a finger.
 #[must_use]
 pub fn waves_of(setup: &Setup, tone: &ToneSetup, wave: &ToneWave) -> Vec<HarmonicWave> {
-    // Of a tone far beyond the span three times the frequency may be out of range: it passes the plate's end.
+    // Three times the frequency of a tone far beyond the span may be out of range. Such a harmonic does not turn on the plate.
     HarmonicWave::of_tone(&setup.plate, &driven(setup, tone, wave), POINTS).unwrap_or_default()
 }
 

@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plate_whose_file_does_not_tell_its_weight_is_refused_by_the_fields_name() {
+    fn a_plate_whose_file_does_not_state_its_weight_is_refused_by_the_fields_name() {
         let plate = slipline_plate::preset("membrane").unwrap();
         assert_eq!(refusal(&plate), None);
         let text = plate.to_toml().replace("tension_n_per_m = 40.0\n", "");

@@ -160,7 +160,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_text_makes_it_panic(text in "\\PC*", at in 0usize..1000, byte in 0u8..128) {
+        fn no_text_makes_the_reader_of_a_fragment_panic(text in "\\PC*", at in 0usize..1000, byte in 0u8..128) {
             let _ = read(&format!("setup=1.{text}"));
             let mut fragment = write(&SCENES[0].setup().unwrap()).into_bytes();
             let at = at % fragment.len();

@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn no_frequency_makes_it_fail() {
+    fn no_frequency_makes_the_shift_fail() {
         assert_eq!(Pitch::of_band(f64::INFINITY).octaves, 32);
         assert_eq!(Pitch::of_band(f64::NAN).octaves, 0);
         assert!(Pitch::of_band(40e3).heard_hz(&[f64::NAN, 1.0])[1] > 0.0);

@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_never_louder_than_full_scale_and_nothing_is_clipped() {
+    fn a_sound_is_never_louder_than_full_scale_and_nothing_is_clipped() {
         let mut synth = Synth::new(RATE_HZ);
         let loud: Vec<Partial> =
             (0..16).map(|slot| tone(slot, 100.0 * (1.0 + f64::from(slot)), 1.0)).collect();

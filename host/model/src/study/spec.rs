@@ -254,7 +254,7 @@ impl Spec {
     /// [`Draft::parse`] reads it back.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        // What is usual is left out, as before there was a choice: the text of an older study stays the same.
+        // Default values are left out, so that the text of a study from before the choice existed stays the same.
         let names = || self.results.iter().map(|it| it.name().to_owned()).collect();
         let text = SpecText {
             seed: i64::try_from(self.seed).unwrap_or(i64::MAX),

@@ -17,7 +17,7 @@ use std::thread;
     not(test),
     expect(
         clippy::disallowed_methods,
-        reason = "threads of this computer: a browser calls `Study::run_range`"
+        reason = "uses this computer's threads; a browser calls `Study::run_range` instead"
     )
 )]
 pub fn run_in_order(

@@ -22,8 +22,8 @@ use slipline_plate::Plate;
 use slipline_plate::texture::TextureTone;
 use std::sync::Arc;
 
-/// These tones (16 at most; more are left out) as those of a setup: the last one, which forms the edge, is
-/// the boundary.
+/// A setup's tones for a texture's: the last one, which forms the edge, becomes the boundary. A setup has 16 at most; the
+/// first of a longer list are left out.
 fn tones_of(tones: &[TextureTone]) -> Vec<ToneSetup> {
     let tones = tones.iter().rev().take(MAX_TONES).zip(0..).map(|(tone, slot)| ToneSetup {
         slot,

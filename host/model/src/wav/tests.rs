@@ -82,7 +82,7 @@ fn a_file_that_is_not_read_names_its_field_and_range() {
         let refusal = wav.channel(number).unwrap_err().to_string();
         assert_eq!(refusal, format!("channel {number}: must be 1 to 2, the channels of the file"));
     }
-    // What a copy cut off is as long as what is left of it.
+    // A file that a copy has cut short has the values that are left.
     let mut short = file(48_000, 2, 16, SampleFormat::Int);
     short.truncate(short.len() - 21);
     assert_eq!(Wav::read(short).unwrap().channel(2).unwrap().values.len(), 44);
@@ -97,7 +97,7 @@ fn a_file_that_is_not_read_names_its_field_and_range() {
 }
 
 #[test]
-fn no_bytes_make_it_panic() {
+fn no_bytes_make_the_reader_panic() {
     let files = [
         file(48_000, 2, 16, SampleFormat::Int),
         file(96_000, 3, 24, SampleFormat::Int),

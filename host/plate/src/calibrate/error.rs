@@ -277,7 +277,7 @@ pub enum CalibrateError {
     },
 }
 
-/// The end of a sentence on places that show two plates.
+/// Ends the message that a third place shows another plate: the likely cause and its remedy.
 fn edges_or_places(give_m: Option<f64>) -> String {
     match give_m {
         Some(give_m) => format!(

@@ -206,7 +206,7 @@ fn loss_limits_and_mode_free_travel_are_the_closed_forms() {
     // than ln 3/d from it, or less in a film. The second enters at half of it.
     let d = designed.rate_per_m;
     let square = designed.plate.spec().model.film_square().expect("a film");
-    // The width that swings, and half the arc.
+    // Half of the width that vibrates, and half of the wavefront's arc across it.
     let wide = |x: f64| {
         let half_width_m = designed.plate.half_width_m(0.0) * (-d * x).exp();
         std::f64::consts::FRAC_PI_2 * half_width_m / FilmEdge::new(half_width_m / square.sqrt()).number

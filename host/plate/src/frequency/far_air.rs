@@ -199,7 +199,7 @@ impl FarAir {
             let squared = here.wavenumber_squared;
             let mass = squared * bent(squared) - omega_squared * self.slowness_squared;
             let of_air = (far * (omega_squared * scale[i]) - v[i] * mass) * lossy;
-            // What the law has of the air's power and of its loss, the integral has itself.
+            // The integral itself contains the air's power and loss, which the law has, too.
             let lost = squared * loss * (air.stiffness - here.loss_share);
             // Omega is even about the driven end.
             let (before, after) = (i.abs_diff(1).min(last), (i + 1).min(last));

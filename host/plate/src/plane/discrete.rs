@@ -136,7 +136,7 @@ impl<'a> Discrete<'a> {
         let air = AirForces::new(&fluid, (section, mesh, outline), (panel_m, rows), omega)?;
         let dry = section.energy.level(plate.spec().model.wavenumber_squared(omega));
         let sheet = equations(plate.stiffness_loss_at(*frequency_hz), dry);
-        // What is left after the free wave's mass has been taken out is little.
+        // Little is left after the free wave's mass is taken out.
         let free = free.matrix.factor();
         let balance = |unknowns: &[Complex64]| {
             let mut forces = air.of(unknowns);

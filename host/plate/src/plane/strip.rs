@@ -40,7 +40,7 @@ pub(super) fn width_numbers(plate: &Plate) -> [f64; 2] {
 
 /// The bending stiffness D in N m, or the tension per width in N/m (1 where the plate file does not state it).
 ///
-/// Where shear and rotary inertia are included, D is the value that gives a wave with Mindlin's K its right power:
+/// Where shear and rotary inertia are included, D is the value at which a wave with Mindlin's K carries the true power:
 /// rho h omega/(K^2 dK^2/d omega), which is D itself for a thin plate; omega is that of the same K in vacuum.
 pub(super) fn modulus(plate: &Plate, frequency_hz: f64) -> f64 {
     let (model, width_mode) = (&plate.spec().model, plate.width_mode(1));
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mode_that_decays_at_once_is_none() {
+    fn an_evanescent_mode_is_left_out() {
         let section = section(Edges::Supported, 6);
         let squared: f64 = 1.3 * (std::f64::consts::PI / (2.0 * W)).powi(2);
         assert!(mode(&section, W.ln(), squared * squared, 0).is_some_and(|mode| mode.square > 0.0));

@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_or_has_a_foreign_unit_is_refused_in_words() {
+    fn a_text_that_is_no_number_or_has_a_foreign_unit_is_refused_in_words() {
         for text in ["", "mm", "nan", "inf Hz", "1.2.3", "--1", &"9".repeat(400)] {
             assert!(matches!(place_or_frequency(text), Err(QuantityError::NoNumber(_))), "{text}");
         }

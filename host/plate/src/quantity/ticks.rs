@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn an_axis_has_two_places_at_least_whatever_its_extent() {
+    fn an_axis_of_any_extent_has_at_least_two_ticks() {
         for (low, high) in
             [(0.0, 640.0), (0.0, 1.0), (3.17, 3.19), (-1.0, 1.0), (0.0, 9.9e-7), (990.0, 1010.0)]
         {

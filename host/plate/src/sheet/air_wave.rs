@@ -103,7 +103,7 @@ impl AirWave {
         self.lift_per_m2.get(station).copied().unwrap_or(0.0)
     }
 
-    /// What the displacement of a station is multiplied by on the grid.
+    /// The factor of a station's displacement on the grid.
     pub(super) fn root_weight(&self, station: usize) -> f64 {
         self.root_weight.get(station).copied().unwrap_or(1.0)
     }

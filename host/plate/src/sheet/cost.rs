@@ -21,8 +21,8 @@ pub struct Cost {
     /// Steps per second of plate time.
     pub step_rate_hz: f64,
     /// Largest relative error of the wavenumber in air, at any place that a wave reaches: from the lower frequency of
-    /// [`SheetGrid::air_at_hz`] to the higher, or in the whole band of the plate; and what a baffle holds together at a distance, as
-    /// the error that would move a peak as far. 0 without air. Air takes no cell and no step more.
+    /// [`SheetGrid::air_at_hz`] to the higher, or in the whole band of the plate. In a baffle it includes the air's coupling
+    /// between distant places, as the error that would move a peak as far. 0 without air. Air adds neither cells nor steps.
     pub wavenumber_error: f64,
 }
 

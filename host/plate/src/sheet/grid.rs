@@ -166,7 +166,7 @@ pub enum SheetError {
     },
     /// Air swings with the plate, and so much of it that the one equation of a sheet does not follow its mass over the tones.
     #[error(
-        "{plate} carries air: a sheet would have its wavenumber off by {:.1} %, and at most {:.0} % is allowed: use a time line for it, or fewer tones",
+        "{plate} carries air: the wavenumber of a sheet would be wrong by {:.1} %, and at most {:.0} % is allowed: use a time line, or fewer tones",
         100.0 * error, 100.0 * WAVENUMBER_ERROR_MAX
     )]
     Air {

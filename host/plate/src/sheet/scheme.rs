@@ -89,7 +89,7 @@ impl Scheme<'_> {
             let links = 2.0 * along * edge.along_link(0, row) + across * across_links(0, row);
             let load = load(0, row);
             let inertia = divisor + resisted + load.mass + load.loss;
-            // What the source moves is less under a finger; a held displacement is not.
+            // A source moves the end less under a finger; a held displacement stays.
             let pushed = if moves > 0.0 { (divisor + resisted) / inertia } else { 1.0 };
             let from_centre = if self.mirrored { number as f64 } else { number as f64 - side as f64 };
             ColumnPoint {

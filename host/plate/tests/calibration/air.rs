@@ -316,7 +316,7 @@ mod night {
 
     #[test]
     #[ignore = "the same with one window and half of the noise: .ci/run statistics"]
-    fn with_half_of_the_noise_the_level_of_eighteen_is_even() {
+    fn with_half_of_the_noise_eighteen_of_twenty_levels_are_even() {
         let even = even_of_twenty((46.0, false), 0.75);
         assert!(even >= 18, "{even}");
     }

@@ -125,7 +125,7 @@ fn plates_whose_edges_give_are_calibrated_within_their_intervals() {
     }
 }
 
-/// What nobody knows of the edges widens the planned interval by a fifth at most, between clamped edges by 35 %.
+/// Edges of unknown compliance widen the planned interval by a fifth at most, between clamped edges by 35 %.
 #[test]
 fn a_planned_interval_grows_by_a_fifth_at_most_with_edges_that_nobody_knows() {
     for (kind, most) in

@@ -200,7 +200,7 @@ fn an_implausible_threshold_is_refused_with_its_reason() {
 }
 
 #[test]
-fn touches_that_tell_nothing_are_refused() {
+fn touches_that_determine_nothing_are_refused() {
     let mut random = Random::new(1);
     let plate = Rig::new("membrane", Solver::OneMode, &mut random).nominal;
     let refused = |marks: &[(f64, f64)], peak_m: f64| {

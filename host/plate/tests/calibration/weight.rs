@@ -102,7 +102,7 @@ fn case(name: &'static str, seed: u64) -> Case {
 }
 
 #[test]
-fn a_sensor_that_weighs_calibrates_a_plate_once_its_mass_is_stated() {
+fn a_sensor_with_mass_calibrates_a_plate_once_its_mass_is_stated() {
     // Without its mass in the file the same sensor is refused.
     let (unstated, _) = case("tungsten-membrane", 1).run(0.25, 0.0);
     assert!(unstated.is_err(), "{unstated:?}");
@@ -122,7 +122,7 @@ fn a_sensor_too_heavy_for_the_plate_is_refused_by_its_mass() {
 }
 
 #[test]
-fn one_sensor_that_weighs_finds_plate_and_source() {
+fn one_sensor_with_mass_determines_plate_and_source() {
     let case = case("tungsten-membrane", 3);
     let (rig, mut random) = case.rig();
     let places = case.places(&rig.nominal);
@@ -139,7 +139,7 @@ fn one_sensor_that_weighs_finds_plate_and_source() {
 }
 
 #[test]
-fn a_plan_says_what_a_place_bears() {
+fn a_plan_states_the_sensor_mass_that_a_place_bears() {
     let at = |name: &str, place_m: f64, width_m: f64| {
         let plate = preset(name).expect("a preset");
         let places = SensorPlaces::of(&plate, &Placing::default()).expect("places");
@@ -160,7 +160,7 @@ mod night {
 
     #[test]
     #[ignore = "many plates: .ci/run statistics"]
-    fn sensors_that_weigh_keep_their_stated_intervals() {
+    fn sensors_with_mass_keep_their_stated_intervals() {
         let mut kept = Vec::new();
         for name in ["membrane", "membrane-heavy", "tungsten-membrane", "al-bending"] {
             for solver in [Solver::OneMode, Solver::TwoDimensions] {

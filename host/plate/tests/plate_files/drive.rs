@@ -118,7 +118,7 @@ fn an_end_that_does_not_suit_the_plate_is_refused_with_the_reason() {
         ),
         (
             format!("{BENDING}[drive]\nend = \"displacement\"\n{lead_in}"),
-            "line 22: drive.lead_in does not belong here: it acts behind a force that leaves the end soft, a \"source\"; \"displacement\" hides it",
+            "line 22: drive.lead_in does not belong here: it works only behind a soft drive, a \"source\"; \"displacement\" hides it",
         ),
         (
             format!("{BENDING}[drive]\n{source}lead_in = 3\n"),

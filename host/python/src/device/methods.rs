@@ -512,7 +512,7 @@ impl Device {
         self._close(py)
     }
 
-    /// Whether the block has been left, and the connection with it.
+    /// Whether the block has ended, and with it the connection.
     #[getter]
     fn closed(&self) -> bool {
         lock(&self.state).block == Block::Closed

@@ -55,7 +55,7 @@ pub(super) fn frequencies_of(
     })
 }
 
-/// Sections in each other, more than any plate file has. A dictionary that holds itself has no end.
+/// Most nested sections: more than any plate file has. It ends the walk through a dictionary that contains itself.
 const DEPTH_MAX: usize = 8;
 
 /// The numbers of a dictionary, each with the path of its field; those of a dictionary in it are of its section.

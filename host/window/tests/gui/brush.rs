@@ -196,7 +196,7 @@ fn escape_its_button_its_switch_and_another_page_put_the_brush_away() {
         app.grab(place, 1000);
         app.release(place, 100);
         assert_ne!(boundary_mm(&app), before, "{way}");
-        // Whatever page is open: with the brush in the hand it would be put away there.
+        // While the brush is in use, opening this page would put it away.
         app.click_button("Boundary", 200);
     }
 }
@@ -251,7 +251,7 @@ fn a_drawing_arms_and_starts_nothing() {
 }
 
 #[test]
-fn what_was_stopped_stays_so_while_it_is_drawn() {
+fn a_stopped_drive_stays_stopped_while_a_profile_is_drawn() {
     let mut app = TestApp::driving();
     with_brush(&mut app);
     app.key(Key::Space, 300);

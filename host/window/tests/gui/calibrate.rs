@@ -156,7 +156,7 @@ fn each_page_leads_on_back_and_out_and_waits_for_its_answer() {
     press(&mut app, "Next");
     press(&mut app, "Next");
     assert!(!app.is_enabled("Next"));
-    // What is in the list can be taken.
+    // A measurement of the list can be chosen.
     press(&mut app, "near.csv at 32.0 mm");
     assert!(app.is_enabled("Next"));
 }

@@ -107,7 +107,7 @@ fn name_the_same_place(presets: &[(&str, f64, [u32; 5])]) {
 }
 
 #[test]
-fn the_line_is_moved_by_what_it_shows() {
+fn keys_and_fields_move_the_shown_line_and_not_the_turning_point() {
     let mut app = felt("membrane", 0.03);
     type_into(&mut app, "Boundary position", "200 mm");
     app.window.get_by_role_and_label(Role::Slider, "Boundary").focus();

@@ -79,7 +79,7 @@ fn the_form_of_a_foreign_file_is_whole_in_a_usual_low_window() {
     let mut seen = 0;
     for node in roles.into_iter().flat_map(|role| app.window.query_all_by_role(role)) {
         let (rect, name) = (node.rect(), node.accesskit_node().label());
-        // What is in the panel ends where its tabs do.
+        // The panel's content ends where its tabs end.
         if rect.left() > 970.0 && rect.top() > panel.bottom() && rect.bottom() < 500.0 {
             assert!(
                 rect.right() <= panel.right() + 1.0,

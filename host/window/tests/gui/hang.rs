@@ -43,7 +43,7 @@ fn a_window_that_hangs_is_stopped_and_disarmed_and_says_so_when_it_comes_back() 
 }
 
 #[test]
-fn what_was_pressed_while_it_hung_does_not_drive() {
+fn a_press_while_the_window_hung_does_not_drive() {
     let mut app = TestApp::driving();
     app.hang(1500);
     // A drag whose events have waited for the window.

@@ -42,7 +42,7 @@ fn wait_for(app: &mut TestApp, part: &str) {
 }
 
 #[test]
-fn its_switch_is_offered_by_a_device_that_can_listen_and_what_is_held_is_shown() {
+fn the_holds_switch_is_offered_by_a_device_that_can_listen_and_held_tones_are_shown() {
     assert!(!TestApp::driving().shows("Hold the level"));
     let (mut app, shows) = sensed();
     assert!(!is_on(&app) && !app.shows("Listening") && !app.shows("Holding"));
@@ -58,7 +58,7 @@ fn its_switch_is_offered_by_a_device_that_can_listen_and_what_is_held_is_shown()
     shows.store(Partial::TOUCHED, Ordering::Relaxed);
     wait_for(&mut app, "Holding, at a limit.");
     assert!(app.shows("Hz: +3.0 dB, at the largest rise that is allowed"));
-    // What the mirror does not know is not drawn, and not saved.
+    // Codes that the mirror does not know are neither drawn nor saved.
     assert!(words(app.window.output()).iter().any(|(text, _)| text == "not known while levels are held"));
     file_menu(&mut app, "Export drive (WAV)…");
     let notice = app.window.state().notice().map(|notice| notice.text.clone()).unwrap_or_default();

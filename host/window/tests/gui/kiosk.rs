@@ -43,7 +43,7 @@ fn visitors_have_the_stage_and_stop_and_neither_menus_nor_pages() {
         app.hover(line - vec2(40.0, 0.0), 100);
         app.release(line - vec2(40.0, 0.0), 100);
         assert!(boundary_mm(&app) < before, "the line is dragged");
-        // Neither a key nor what else opens a page does so.
+        // No key opens a page, menu or dialog.
         for (modifiers, key) in [
             (Modifiers::NONE, Key::F1),
             (Modifiers::COMMAND, Key::Num0),

@@ -79,7 +79,7 @@ fn every_light_that_is_not_green_stands_on_the_stage_with_its_place_and_its_own_
 }
 
 #[test]
-fn the_first_picture_has_none() {
+fn the_first_picture_has_no_symbol() {
     for size in [[1280.0, 800.0], [640.0, 480.0]] {
         let builder = egui_kittest::HarnessBuilder::default().with_size(size);
         let app = TestApp::first_start(ThemeChoice::Light, builder);

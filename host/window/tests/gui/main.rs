@@ -1,6 +1,7 @@
 //! The window, used by accessible names on a simulated device in virtual time.
 
 mod actions;
+mod actual_plate;
 mod air;
 mod background;
 mod brush;
@@ -39,7 +40,6 @@ mod painter;
 mod paths;
 mod places;
 mod plane_check;
-mod plate_there;
 mod play;
 mod plots;
 #[path = "../../../instrument/tests/in_use/pluggable_port.rs"]

@@ -92,7 +92,7 @@ fn measurements_are_overlaid_hidden_removed_and_saved() {
     app.window.get_by_role_and_label(Role::CheckBox, "Show second.csv").click();
     app.wait(200);
     assert!(!app.shows("Level, dB of"), "nothing is drawn");
-    // What is chosen is drawn.
+    // The chosen measurements are drawn.
     app.click_button("first.csv", 200);
     assert!(app.shows("Level, dB of 1 measurements") && app.shows("32.0 mm"));
     app.window.get_by_label("Export CSV…").click_accesskit();
@@ -163,7 +163,7 @@ fn a_file_is_dropped_on_the_window_and_a_bad_one_changes_nothing() {
 }
 
 #[test]
-fn the_plots_tell_the_values_under_the_pointer_and_are_zoomed_together() {
+fn the_plots_show_the_values_under_the_pointer_and_are_zoomed_together() {
     let mut app = TestApp::driving();
     open(&mut app, "near.csv", &measured(&membrane(1.01), NEAR_M, 12.0));
     let check = |app: &mut TestApp, name: &str, wanted: [&str; 3]| {

@@ -64,7 +64,7 @@ enum May {
 
 /// The presses that may move something: the beginnings of their names, what may move, and why.
 const EXCEPTIONS: [(&[&str], May, &str); 11] = [
-    // Before "More", with which it begins, too.
+    // Stands before "More", because its name begins with that word, too.
     (&["More: Measured response"], May::Room, "it lies behind a page, which a press beside it closes"),
     (
         &["Boundary", "Tones", "Texture", "Plate", "Device", "Play"],
@@ -123,7 +123,7 @@ fn moved(before: &Places, after: &Places, (pressed, at): (&Name, Rect), width: f
         off.iter().all(|off| off.abs() < 1.0)
     };
     for (name, places) in before {
-        // Those of which one more or one fewer has the name cannot be distinguished.
+        // If another number of controls has the name afterwards, they cannot be distinguished.
         let Some(now) = after.get(name).filter(|now| now.len() == places.len()) else { continue };
         for (place, now) in places.iter().zip(now) {
             if !is_on_the_plate(name) && must_stay(name, place) && !is_near(place, now) {

@@ -100,7 +100,7 @@ fn head_s(app: &TestApp) -> f64 {
 }
 
 #[test]
-fn a_recorded_drag_has_a_time_line_on_which_a_time_is_chosen_and_the_stage_keeps_its_size_for_it() {
+fn the_time_line_of_a_recorded_drag_selects_a_time_and_leaves_the_stage_its_size() {
     let mut app = TestApp::driving();
     assert_eq!(time_line(&app), None);
     let stage = line_rect(&app).y_range();
@@ -135,7 +135,7 @@ fn a_recorded_drag_has_a_time_line_on_which_a_time_is_chosen_and_the_stage_keeps
 }
 
 #[test]
-fn the_time_line_fits_a_small_screen_and_goes_by_keys() {
+fn the_time_line_fits_a_small_screen_and_follows_keys() {
     let mut app = TestApp::driving();
     app.resize(vec2(640.0, 480.0), 100);
     open_play(&mut app);

@@ -178,7 +178,7 @@ fn choose(app: &mut TestApp, plot: &str, entry: &str) {
 }
 
 #[test]
-fn the_plots_tell_the_values_under_the_pointer_and_the_frequency_of_each_peak() {
+fn the_plots_show_the_values_under_the_pointer_and_the_frequency_of_each_peak() {
     let mut app = TestApp::driving();
     open_plot(&mut app, "Spectrum");
     let area = app.window.get_by_label("More: Spectrum").rect();

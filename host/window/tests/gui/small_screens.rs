@@ -100,7 +100,7 @@ fn the_flag_of_the_line_is_whole_at_every_size_and_place() {
 }
 
 #[test]
-fn stop_is_on_a_small_screen_whatever_panel_or_page_is_open() {
+fn stop_is_on_a_small_screen_with_any_panel_or_page_open() {
     for size in SIZES {
         let mut app = small(size);
         for panel in ["Boundary", "Tones", "Texture", "Plate", "Device", "Play"] {
@@ -131,7 +131,7 @@ fn stop_is_on_a_small_screen_whatever_panel_or_page_is_open() {
 }
 
 #[test]
-fn what_waits_to_be_confirmed_or_typed_fits_a_small_screen() {
+fn confirmations_and_typed_paths_fit_a_small_screen() {
     for size in SIZES {
         let link = real_device(State::Idle);
         let mut window = opened(link, size);

@@ -326,7 +326,7 @@ fn a_click_on_the_plate_brings_the_line_and_a_double_click_moves_none() {
 }
 
 #[test]
-fn nothing_is_sent_before_a_click_is_known_to_be_no_double_click() {
+fn a_click_sends_nothing_while_a_second_click_may_follow() {
     let mut app = TestApp::driving();
     let at = beside_line(&app, -60.0, 0.3);
     app.take_sent();

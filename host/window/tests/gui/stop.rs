@@ -18,7 +18,7 @@ fn press_stop(app: &mut TestApp, while_what: &str) {
 }
 
 #[test]
-fn one_click_on_stop_stops_whatever_page_or_menu_is_open() {
+fn one_click_on_stop_stops_with_any_page_or_menu_open() {
     for entry in ["Shortcuts", "Ports and permissions", "About Slipline"] {
         let mut app = TestApp::driving();
         app.click("Help", 200);
@@ -34,7 +34,7 @@ fn one_click_on_stop_stops_whatever_page_or_menu_is_open() {
 }
 
 #[test]
-fn one_click_on_stop_stops_while_something_waits_to_be_confirmed() {
+fn one_click_on_stop_stops_while_a_request_waits_for_confirmation() {
     let link = real_device(State::Idle);
     let mut window = opened(link.clone(), [1280.0, 800.0]);
     click(&mut window, "Arm…");

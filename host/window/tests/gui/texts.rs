@@ -24,7 +24,7 @@ const SIZES: [([f32; 2], f32); 8] = [
 const OVERLAP: f32 = 1.5;
 /// Height of the status line, in points.
 const STATUS: f32 = 34.0;
-/// Text is cut from this on, in points.
+/// A text counts as cut if more of its width than this is hidden, in points.
 const CUT: f32 = 1.0;
 
 /// A text that is painted, in points.

@@ -175,7 +175,7 @@ fn every_control_and_view_says_what_it_is_for() {
 }
 
 #[test]
-fn the_strip_and_the_line_say_it_at_the_pointer() {
+fn the_strip_and_the_line_explain_themselves_at_the_pointer() {
     for (name, wanted) in [("felt to", "fingers differ"), ("Boundary", "press the arrow keys")] {
         let mut app = TestApp::driving();
         let named = |node: &egui_kittest::Node<'_>| {

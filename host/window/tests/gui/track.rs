@@ -217,7 +217,7 @@ fn what_a_window_manager_does_to_a_new_window_ends_no_demonstration() {
         assert!(app.window.state().is_demonstrating(), "{event:?}");
         assert_ne!(app.setup_text(), text, "{event:?}");
     }
-    // What is kept meanwhile is the user's.
+    // The kept setup stays the user's meanwhile.
     assert_eq!(slipline_model::setup::file::write(&app.window.state().kept_setup()), text);
 }
 

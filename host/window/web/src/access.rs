@@ -39,7 +39,7 @@ pub(crate) fn keep(ctx: &egui::Context) {
     ctx.add_plugin(Access::default());
 }
 
-/// Before a picture: whether it makes a tree.
+/// Decides before a picture whether it makes a tree.
 pub(crate) fn begin(ctx: &egui::Context, now_s: f64) {
     let is_due = ctx.with_plugin(|access: &mut Access| {
         let is_due = access.tree.is_none() || now_s - access.made_s >= EACH_S;
@@ -83,7 +83,7 @@ pub(crate) fn press(id: &str) -> Option<egui::Event> {
 /// `is_toggled`, `is_focused`, `rect` and `seen_rect`, in CSS pixels of the canvas: left, top, right, bottom. The latter is
 /// null where all of a node is scrolled out of sight.
 pub(crate) fn nodes(ctx: &egui::Context) -> Array {
-    // What is left of each widget by the area that it is scrolled in.
+    // The visible part of each widget in its scroll area.
     let seen: HashMap<_, _> = ctx.viewport(|viewport| {
         let widgets = viewport.prev_pass.widgets.layers().flat_map(|(_, widgets)| widgets);
         widgets.map(|widget| (widget.id.accesskit_id(), widget.interact_rect)).collect()

@@ -177,7 +177,7 @@ impl Boards {
         self.with_line(line, |queue| queue.received.extend_from_slice(bytes));
     }
 
-    /// What the glue had to write is written.
+    /// Notes that the glue has written all its bytes.
     pub(crate) fn written(&self, line: u32) {
         self.with_line(line, |queue| queue.is_writing = false);
     }

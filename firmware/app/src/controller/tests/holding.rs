@@ -90,7 +90,7 @@ fn a_window_that_is_over_is_taken_by_the_next_tick_and_its_levels_glide() {
 }
 
 #[test]
-fn what_it_publishes_is_no_act_of_the_user() {
+fn what_a_hold_publishes_is_no_act_of_the_user() {
     //
     let mut rig = holding();
     let max_drive = rig.controller.timing().max_drive;
@@ -222,7 +222,7 @@ fn blocks_between_any_two_steps_of_a_turn_leave_a_hold_that_is_right_or_over() {
             }
             let hold = read_hold(&mut rig);
             assert_eq!(hold.progress, HoldProgress::On, "before lock {locks}, {came}");
-            // What it believes to be in force is in force.
+            // The correction that the hold reports is in force.
             let level = 10_f64.powf(f64::from(hold.tones[0].correction.0) / 2000.0) * 0.25;
             rig.render(40);
             assert!((sum(&rig) / 2.0 / level - 1.0).abs() < 1e-3, "before lock {locks}: {}", sum(&rig));

@@ -38,7 +38,7 @@ fn captured(recipe: Recipe) -> Capture<'static> {
 }
 
 #[test]
-fn every_value_is_the_sum_of_its_codes_from_the_index_asked_for() {
+fn every_value_is_the_sum_of_its_codes_from_the_requested_index_on() {
     for (begin, log2_codes, values) in
         [(0, 0, 4096), (1, 0, 1), (127, 0, 2), (128, 1, 64), (300, 3, 1000), (5, 7, 9), (999, 10, 4096)]
     {

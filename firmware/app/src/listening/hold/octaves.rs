@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_decibel_is_a_decibel() {
+    fn the_decibel_in_octaves_is_rounded_down() {
         assert_eq!(f64::from(Octaves::DECIBEL.0), (65_536.0 * 10_f64.log2() / 20.0).floor());
     }
 }

@@ -239,7 +239,7 @@ fn a_tone_that_stays_at_its_largest_rise_is_lost() {
 }
 
 #[test]
-fn the_floor_is_named_too() {
+fn a_tone_at_the_floor_reports_that_limit() {
     let mut hold = hold(&[0]);
     for _ in 0..40 {
         take(&mut hold, Some(&answers(&[(0, 4.0)])), ROOMY);

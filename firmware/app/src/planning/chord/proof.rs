@@ -1,4 +1,4 @@
-//! The proof of a chord's peak: one period of it, rendered without being heard.
+//! The proof of a chord's peak: one period of it, rendered but not played.
 
 use slipline_dds::bank::code::code_of;
 use slipline_dds::bank::{BLOCK, FULL_SCALE, SteadyBank};

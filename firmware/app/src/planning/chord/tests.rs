@@ -155,7 +155,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn the_peak_that_is_proven_is_the_peak_that_is_sent_to_the_code(quiet in chords(7000)) {
+    fn the_proven_peak_is_the_peak_of_the_sent_codes(quiet in chords(7000)) {
         prop_assume!(quiet.tones.iter().any(|tone| tone.level.0 > 100));
         let chord = as_loud_as_fits(&quiet);
         let tones = placed(&chord).unwrap();
@@ -243,7 +243,7 @@ fn tones_that_meet_are_refused_with_the_peak_they_have_together() {
 }
 
 #[test]
-fn sums_that_32_bits_would_not_hold_are_refused_before_they_are_rendered() {
+fn a_chord_whose_sum_overflows_32_bits_is_refused_before_it_is_rendered() {
     let loud: Vec<_> = (0..16).map(|i| (16 + 4 * i, u16::MAX, 16_384)).collect();
     let tones = placed(&chord(10, &loud)).unwrap();
     let refused = Proof::new().check(&tones, &mut || panic!("nothing is rendered"));
@@ -273,7 +273,7 @@ fn a_proof_looks_for_a_stop_before_each_block() {
 }
 
 #[test]
-fn what_is_no_chord_is_refused_by_its_field_and_range() {
+fn an_invalid_chord_is_refused_by_its_field_and_range() {
     let good = [(100, 1000, 0), (101, 1000, 0)];
     assert!(placed(&chord(12, &good)).is_ok());
     let range = |field, min, max, got| Err(Refusal::OutOfRange { field, min, max, got });

@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn below_at_and_above_the_resonance_it_is_the_springs_the_dampers_and_the_masss_share() {
+    fn the_share_below_at_and_above_the_resonance_is_the_springs_the_dampers_and_the_masss() {
         let law = Law::new(&limit(50.0, 8.0, 0.25), RATE);
         for (hz, want) in [(0.5, 0.25), (50.0, 0.25 * 8.0), (50_000.0, 0.25 * 1e-6)] {
             let share = f64::from(law.share(step(hz)));
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn a_root_is_one() {
+    fn the_square_root_is_within_3e_7_of_the_exact_one() {
         for square in [1e-30_f32, 1e-9, 0.3, 1.0, 2.0, 7.7e11, 1e30] {
             let error = f64::from(root(square)) / f64::from(square).sqrt() - 1.0;
             assert!(error.abs() < 3e-7, "{square}: {error}");

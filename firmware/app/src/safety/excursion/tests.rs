@@ -322,7 +322,7 @@ fn a_limit_out_of_range_is_refused_with_its_field_and_the_one_before_stays() {
 }
 
 #[test]
-fn a_way_is_judged_by_all_intervals_that_it_touches_whatever_came_first() {
+fn a_glide_is_judged_by_all_intervals_that_it_touches_in_any_order_of_writing() {
     let bench = TravelBench::new(limit(60.0, 10.0, 0.5), 6.0, 600.0);
     let mut in_chunks = Excursion::unlimited(RATE);
     let empty = TableRef { knots: 0, ..TABLE };

@@ -20,21 +20,21 @@ fn single_tones(codes: f64, noise: f64, shape: Shape) -> (f64, f64) {
 }
 
 #[test]
-fn at_40_db_below_full_scale_with_half_a_code_of_noise_it_is_0_05_db_and_0_3_degrees_off_at_most() {
+fn a_tone_at_minus_40_db_with_half_a_code_of_noise_is_measured_to_0_05_db_and_0_3_degrees() {
     let (db, degrees) = single_tones(below_full_scale(40.0), 0.5, Shape::Hann);
     std::println!("-40 dBFS with noise: {db:.4} dB, {degrees:.3} degrees");
     assert!(db < 0.05 && degrees < 0.3, "{db} dB, {degrees} degrees");
 }
 
 #[test]
-fn at_80_db_below_full_scale_with_half_a_code_of_noise_it_is_1_db_off_at_most() {
+fn a_tone_at_minus_80_db_with_half_a_code_of_noise_is_measured_to_1_db() {
     let (db, degrees) = single_tones(below_full_scale(80.0), 0.5, Shape::Hann);
     std::println!("-80 dBFS with noise: {db:.4} dB, {degrees:.3} degrees");
     assert!(db < 1.0, "{db} dB, {degrees} degrees");
 }
 
 #[test]
-fn without_noise_it_is_0_2_db_and_1_degree_off_at_most() {
+fn a_tone_without_noise_is_measured_to_0_2_db_and_1_degree() {
     let (db, degrees) = single_tones(below_full_scale(40.0), 0.0, Shape::Hann);
     std::println!("-40 dBFS without noise: {db:.4} dB, {degrees:.3} degrees");
     assert!(db < 0.2 && degrees < 1.0, "{db} dB, {degrees} degrees");

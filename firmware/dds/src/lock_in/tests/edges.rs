@@ -18,7 +18,7 @@ fn waiting(blocks: u16) -> (LockIn, History) {
     (lock_in, History::new())
 }
 
-/// Plays the tone over the block at `index` and takes these codes.
+/// Plays the tone over the block at `index`, in which the input has these codes.
 fn play(lock_in: &mut LockIn, history: &mut History, index: u64, codes: &[u16; BLOCK]) {
     history.record(index, &[0; TONES], &one_tone());
     lock_in.take_block(index, &[*codes], history.at(index));

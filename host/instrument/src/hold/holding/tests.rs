@@ -174,7 +174,7 @@ fn the_measured_level_is_held_and_switching_off_restores_the_drives() {
 }
 
 #[test]
-fn while_something_changes_nothing_is_asked_and_then_what_sounds_now_is_held() {
+fn a_hold_asks_nothing_while_the_drive_changes_and_then_holds_the_new_tones() {
     let mut bench = Bench::driving(0.24, 0.3);
     bench.switch_on(12.0);
     bench.pass(40, false);
@@ -208,7 +208,7 @@ fn while_something_changes_nothing_is_asked_and_then_what_sounds_now_is_held() {
 }
 
 #[test]
-fn in_silence_it_waits_and_what_sounds_later_is_held() {
+fn a_hold_waits_in_silence_and_then_holds_the_next_drive() {
     let mut bench = Bench::holding();
     bench.loopback.perform(Request::Stop, |_| ()).unwrap();
     bench.pass(10, true);
@@ -255,7 +255,7 @@ fn codes_that_were_lost_are_listened_to_again_but_not_for_ever() {
 }
 
 #[test]
-fn what_the_user_does_ends_it_and_the_device_is_released() {
+fn an_act_of_the_user_ends_the_hold_and_the_device_is_released() {
     for end in [HoldEnd::Stopped, HoldEnd::Measured] {
         let mut bench = Bench::holding();
         bench.asked();
@@ -279,7 +279,7 @@ fn what_the_user_does_ends_it_and_the_device_is_released() {
 }
 
 #[test]
-fn a_device_that_is_muted_stopped_or_gone_ends_it() {
+fn a_device_that_is_muted_stopped_or_gone_ends_the_hold() {
     for (request, is_trouble) in [(Request::Disarm, false), (Request::EmergencyStop, true)] {
         let mut bench = Bench::holding();
         bench.loopback.perform(request, |_| ()).unwrap();

@@ -354,7 +354,7 @@ impl Drive {
     }
 
     /// Stops a simulated drive shortly before the device's own limit would make a fault of it. Every change of the drive
-    /// begins its time again, there as here.
+    /// restarts the time, on the device as here.
     pub(crate) fn pause_unwatched(&mut self, out: &mut Outbox) {
         let Snapshot { device, drive, .. } = &*self.snapshot;
         let (Some(identity), Some(status)) = (&device.identity, drive.status) else { return };

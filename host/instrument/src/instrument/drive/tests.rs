@@ -65,7 +65,7 @@ fn a_simulated_device_is_armed_by_drive_and_a_stop_ends_what_the_user_wants() {
 }
 
 #[test]
-fn a_fault_is_said_before_all_else_until_it_is_cleared() {
+fn a_fault_is_reported_before_all_else_until_it_is_cleared() {
     let setup = setup();
     let mut faulty = idle(false);
     let status =

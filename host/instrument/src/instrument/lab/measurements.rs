@@ -240,7 +240,7 @@ impl Lab {
         }
         // The assumed sensor place of a file: in a calibration that of its open page.
         let place_m = self.calibration.place_m().unwrap_or(self.live.draft.place_m);
-        // A recording is not copied.
+        // A table is read again with the user's answers; a recording is not, so its bytes are not copied.
         let is_text = Content::of(&bytes) == Content::Other;
         let kept: Arc<[u8]> = if is_text { Arc::from(&bytes[..]) } else { Arc::from([]) };
         let unknown = ForeignMetadata { place_m, kind: None, snr_db: SNR_DB };

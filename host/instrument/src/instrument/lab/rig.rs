@@ -175,7 +175,7 @@ impl Rig {
         false
     }
 
-    /// Lets it rest, or has it heard again.
+    /// Lets the rig rest, or resumes its sampling.
     pub(super) fn rest(&self, is_resting: bool) {
         self.bench.rest(is_resting);
     }

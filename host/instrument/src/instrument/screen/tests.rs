@@ -15,7 +15,7 @@ fn limits_m(instrument: &Instrument) -> (f64, f64) {
 }
 
 #[test]
-fn the_range_of_a_line_is_found_once_until_something_changes_that_it_follows_from() {
+fn the_range_of_a_line_is_computed_once_until_its_inputs_change() {
     let (mut instrument, wire) = driven();
     let range_m = limits_m(&instrument);
     LIMITS.set(0);

@@ -233,7 +233,7 @@ fn answers_that_are_not_clear_are_averaged_over_as_many_windows_as_they_need() {
     let tones = loudness::tones(&measuring.plan.combs[0], &table, f64::from(RATE_HZ), measuring.plan.level);
     let codes = |tone: &Tone| 2048.0 * tone.amplitude * response(tone.frequency_hz).norm();
     let weakest = tones.iter().map(codes).fold(f64::INFINITY, f64::min);
-    // The second window hears three times as much.
+    // The second window answers with three times the amplitude.
     let heard_at = |over_noise: f64| {
         let (mut measuring, table) = self::measuring(16);
         let mut device = Ideal::new(&table);
@@ -450,7 +450,7 @@ fn an_outcome_that_comes_after_the_cancellation_does_not_stand_for_that_of_the_s
 }
 
 #[test]
-fn a_fault_ends_it_and_explains_why_the_tones_were_stopped() {
+fn a_fault_ends_the_measurement_and_explains_why_the_tones_were_stopped() {
     let status = Status { faults: Faults::NONE.with(Fault::EmergencyStop), ..Status::default() };
     let mut faulty = Snapshot::default();
     faulty.link.state = LinkState::Connected;

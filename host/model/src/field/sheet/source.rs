@@ -43,7 +43,7 @@ impl SourceChoice {
         match self {
             Self::Automatic => "The 2-D sheet where it runs fast enough, else the modal lines",
             Self::Lines => "The first width mode along the plate: exact where one mode is enough, and quick",
-            Self::Sheet => "The wave equation on the whole sheet, in time, also where it is slow",
+            Self::Sheet => "The wave equation on the whole sheet, in time, even where that is slow",
         }
     }
 }

@@ -22,7 +22,7 @@ fn simulated(run: &Simulation<'_>) -> Simulated {
 }
 
 #[test]
-fn the_boundary_asked_for_is_where_the_wave_turns() {
+fn the_wave_turns_at_the_requested_boundary() {
     let plate = slipline_plate::preset("membrane").unwrap();
     let run = on_plate(&plate, &[(0.16, 0.8)], Solver::Line);
     let result = simulated(&run);

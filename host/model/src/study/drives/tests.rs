@@ -53,7 +53,7 @@ fn a_lossier_plate_has_a_weaker_line_that_ends_earlier() {
         );
         assert!(shifts_m[plate].abs() < 2e-3);
     }
-    // The felt edge lies past the peak of a tone at 200 mm and on the plate.
+    // The felt edge of a tone at 200 mm lies past its peak, and on the plate.
     assert!((0.19..0.32).contains(&nominal.results[2][0]), "{}", nominal.results[2][0]);
 }
 

@@ -121,7 +121,7 @@ fn lossy_files_are_refused_in_words() {
 
 #[test]
 #[ignore = "needs ffmpeg and flac: .ci/run recordings"]
-fn no_damage_makes_it_panic() {
+fn no_damage_makes_the_reader_panic() {
     let folder = folder("damaged", &file(48_000, 2, 16, SampleFormat::Int));
     let files = [
         ("FLAC", converted(&folder, &[], "a.flac")),

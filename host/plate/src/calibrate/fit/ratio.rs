@@ -47,7 +47,7 @@ pub(crate) struct Ratio<'a> {
     pub(crate) frequencies_hz: Vec<f64>,
     /// How far the edges give beyond the file's where the search begins, metres.
     give_from_m: f64,
-    /// What a sensor that weighs leaves of the wave.
+    /// The share of the wave that the sensor's mass leaves; `None` without mass.
     load: Option<SensorLoad>,
 }
 

@@ -51,7 +51,7 @@ pub(in crate::check) fn drift_light(site: &Site<'_>) -> Finding {
         .over(|| vec![Stretch { from_m: 0.0, to_m: site.boundary_m }])
 }
 
-/// What age does, as a sentence behind another; nothing of a film that is no rubber.
+/// The effect of age, as a sentence to append; empty for a film that is no rubber.
 fn ages(drift: &Drift, is_calibrated: bool) -> String {
     let Some(decade_m) = drift.decade_m else { return String::new() };
     let which = if drift.strain.is_some() { "Rubber" } else { "If it is rubber it" };

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn a_tone_beyond_the_linear_share_is_amber_and_its_sentence_states_the_level_that_is_not() {
+fn a_tone_beyond_the_linear_share_is_amber_and_its_sentence_states_how_far_to_lower_it() {
     let plate = preset("membrane").expect("a preset");
     let lights = |level: f64, linear_share: f64| {
         let conditions = Conditions { level, linear_share, ..Conditions::default() };

@@ -84,8 +84,7 @@ fn refuse_conflict(section: &Given<'_>, spec: &PlateSpec) -> Result<(), PlateErr
     let (field, reason) = match section.name() {
         "drive.lead_in" if !matches!(spec.drive_end, DriveEnd::Source(_)) => {
             let end = DRIVE.kind_of(spec).map_or("", |kind| kind.word);
-            let reason =
-                format!("it acts behind a force that leaves the end soft, a \"source\"; \"{end}\" hides it");
+            let reason = format!("it works only behind a soft drive, a \"source\"; \"{end}\" hides it");
             ("drive.lead_in".to_owned(), reason)
         }
         "air" => {

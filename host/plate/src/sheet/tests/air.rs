@@ -179,7 +179,7 @@ fn air_that_one_equation_does_not_follow_is_refused_with_its_error() {
     let error = Sheet::new(&plate, RATE, SheetGrid::new(64, 10)).unwrap_err();
     assert!(matches!(error, SheetError::Air { error, .. } if error > 0.01 && error < 0.05), "{error:?}");
     assert!(
-        error.to_string().starts_with("test carries air: a sheet would have its wavenumber off by "),
+        error.to_string().starts_with("test carries air: the wavenumber of a sheet would be wrong by "),
         "{error}"
     );
     // One tone it does follow, whatever the air; all over the band it does not.

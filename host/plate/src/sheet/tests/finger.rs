@@ -52,7 +52,7 @@ fn a_finger_of_mass_alone_keeps_the_energy_and_one_that_resists_only_takes_it() 
 }
 
 #[test]
-fn a_finger_of_nothing_changes_no_bit_and_one_on_an_untold_plate_is_refused() {
+fn a_finger_of_nothing_changes_no_bit_and_one_on_a_plate_of_unstated_weight_is_refused() {
     let plate = tense(DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: 150.0 });
     let nothing = Finger { resistance_n_s_per_m: 0.0, mass_kg: 0.0, ..Finger::light(0.1) };
     let run = |sheet: Result<Sheet, SheetError>| {

@@ -36,7 +36,7 @@ pub(crate) const SHORTCUTS: [(&str, &str); 20] = [
     ("Ctrl+O, Ctrl+S", "Open, save the setup"),
     ("Ctrl+1 … Ctrl+6", "Boundary, tones, texture, plate, device, play"),
     ("Ctrl+B", "Switch between the setups A and B"),
-    ("B", "After a calibration: the plate before it, and the calibrated one again"),
+    ("B", "After a calibration: switch between the plate before it and after it"),
     ("Ctrl+0", "The whole window for the stage, or panel and plots again"),
     ("P", "Pause the wave and the plots"),
     ("Click, double-click", "On plate and envelope: move the line here; add a tone here"),
@@ -296,7 +296,7 @@ const fn words(confirm: Confirm) -> (&'static str, &'static str, &'static str) {
         ),
         Confirm::Bootloader => (
             "Restart into the bootloader?",
-            "The device leaves Slipline and waits for new firmware. It comes back after flashing, or when it is plugged in again. Where the board keeps a profile, press its user button and hold it meanwhile.",
+            "The device leaves Slipline and waits for new firmware. It comes back after flashing, or when it is plugged in again. If the board keeps a profile, press its user button and hold it until the board restarts.",
             "Restart",
         ),
         Confirm::BrownOutLevel => (

@@ -62,7 +62,7 @@ fn choices(ui: &mut egui::Ui, request: SelftestRequest, intents: &mut Intents) {
     amplifier.on_hover_text(
         "An inverted mute is silent in every drive and on in every fault; arm a board for it first",
     );
-    // What the other steps need, the test of the amplifier must not have.
+    // The test of the amplifier must not have the wires that the other steps need.
     ui.add_enabled_ui(!wanted.is_amplifier_on, |ui| without_amplifier(ui, &mut wanted));
     if wanted != request {
         intents.push(Intent::Measure(MeasureIntent::SelftestDraft(wanted)));

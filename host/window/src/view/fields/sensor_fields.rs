@@ -1,4 +1,4 @@
-//! Fields for what the user states of a sensor: its place, its kind, a number of its measurement.
+//! Fields in which the user describes a sensor: its place, its kind and the numbers of its measurement.
 
 use crate::view::fields::choice::choice_under;
 use crate::view::fields::field::InputField;
@@ -48,7 +48,7 @@ pub(crate) fn kind(ui: &mut egui::Ui, caption: &str, chosen: Option<SensorKind>)
     choice_under(ui, caption, ("Sensor", word, help), 108.0, |ui| {
         let pressed = |kind: &SensorKind| {
             let entry = ui.selectable_label(Some(*kind) == chosen, kind.word());
-            entry.on_hover_text("The sensor's voltage stands for this of the plate").clicked()
+            entry.on_hover_text("The sensor's voltage follows this quantity of the plate").clicked()
         };
         SensorKind::ALL.into_iter().filter(pressed).last()
     })

@@ -102,7 +102,8 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     hold_fields::show(ui, scene, &mut view.fields, intents);
 }
 
-/// What follows from the place: as many rows whatever the line is at, close to each other so that the sliders are in sight.
+/// The values that follow from the place. Every line has the same number of rows; they are close to each other so that the
+/// sliders are in sight.
 fn rows(ui: &mut egui::Ui, scene: &Scene<'_>, tone: &ToneSetup, steady: Option<SteadyTone>) {
     let (plate, slot) = (&scene.setup.plate, tone.slot);
     let usual = std::mem::replace(&mut ui.spacing_mut().item_spacing.y, 2.0);

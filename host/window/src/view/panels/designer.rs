@@ -73,7 +73,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
 type Offer = (&'static str, &'static str, fn() -> Intent);
 
 const SAVE: [Offer; 2] = [
-    ("Save plate (TOML)…", "A plate file, as the app and the command line read it", || Intent::SaveDesign),
+    ("Save plate (TOML)…", "A plate file for the app and the command line", || Intent::SaveDesign),
     ("Save cut files (SVG, DXF)…", "Plate and frame with dimensions, into a folder", || {
         Intent::SaveCutFiles
     }),

@@ -115,7 +115,7 @@ fn curves(ui: &egui::Ui, texture: &TextureScene<'_>, plot: &Plot) {
             painter.extend(Shape::dashed_line(&any, Stroke::new(1.2, palette.weak), 2.0, 3.0));
         }
         if let Some(fit) = fit.filter(|fit| fit.is_solid()) {
-            // Only where something is wanted: between the area and what should be still nothing is.
+            // Only where the fit has a wish: it has none between the area and the still part.
             let points = curve(&fit.texture.wanted_m);
             let counting: Vec<(Pos2, f64)> = points.into_iter().zip(fit.weights().iter().copied()).collect();
             for part in counting.split(|(_, weight)| *weight == 0.0) {

@@ -91,7 +91,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         envelope::legend(ui, scene, &layout.axis, layout.envelope, left_end);
     }
     let views = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.strip.bottom());
-    // What a symbol says takes the read-out's place.
+    // A symbol's text replaces the read-out.
     if !marks.interact(ui, view, intents) && !view.brush.is_drawing() {
         read_out::show(ui, scene, &layout.axis, views);
     }

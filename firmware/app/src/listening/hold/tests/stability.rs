@@ -61,7 +61,7 @@ fn the_loop_is_stable_at_half_and_twice_the_gain_and_at_a_wrong_time_constant() 
 }
 
 #[test]
-fn without_the_room_it_stays_at_the_limit_says_so_and_has_wound_nothing_up() {
+fn a_tone_without_headroom_stays_at_the_limit_reports_it_and_does_not_wind_up() {
     all(|truth, phase| {
         // Where the plate is as the table says, 3 dB are left; where it is stronger or weaker, 3 dB from where it is held.
         let room_db = 3.0 - 20.0 * truth.gain.log10();

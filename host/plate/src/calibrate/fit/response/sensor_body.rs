@@ -255,7 +255,7 @@ mod tests {
 
     /// A finger without damping is a body, too; its field is computed over cells that move apart.
     #[test]
-    fn a_light_body_leaves_what_a_light_finger_does_and_a_heavy_one_a_few_per_cent_less_or_more() {
+    fn a_body_changes_the_response_as_a_finger_of_its_mass_and_a_heavy_one_within_15_per_cent() {
         for (name, place_m, width_m, masses_kg, frequencies_hz) in [
             ("membrane", 0.11, 5e-3, [1e-7, 3e-5], [95.0, 130.0, 180.0, 215.0]),
             ("membrane-heavy", 0.09, 8e-3, [1e-6, 5e-4], [95.0, 130.0, 180.0, 215.0]),

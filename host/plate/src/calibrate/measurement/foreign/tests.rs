@@ -93,7 +93,7 @@ fn a_universal_file_and_a_csv_of_one_measurement_have_the_same_frequencies() {
 }
 
 #[test]
-fn what_is_no_table_is_refused_by_its_line() {
+fn a_text_without_a_table_is_refused_by_its_line() {
     for (text, message) in [
         ("", "no line has a frequency and a level"),
         ("a\nb\n", "no line has a frequency and a level"),

@@ -124,7 +124,7 @@ fn accepted(ui: &mut egui::Ui, found: &CalibrationResult) {
 /// What can be done with the plate.
 pub(super) fn actions(ui: &mut egui::Ui, mut ask: impl FnMut(CalibrateIntent)) {
     let save = ui.button("Save plate file…");
-    if save.on_hover_text("A plate file, as the app and the command line read it").clicked() {
+    if save.on_hover_text("A plate file for the app and the command line").clicked() {
         ask(CalibrateIntent::Save);
     }
     let button = ui.add(theme::primary(ui, "Use this plate", true));

@@ -265,7 +265,7 @@ fn bytes_that_are_no_text_are_refused() {
 }
 
 #[test]
-fn frequencies_that_are_there_twice_or_out_of_order_are_refused_by_their_line() {
+fn frequencies_that_repeat_or_are_out_of_order_are_refused_by_their_line() {
     let refused = |text: &str| {
         let found = read(text.as_bytes()).expect(text);
         found
