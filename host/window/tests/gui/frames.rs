@@ -47,7 +47,8 @@ fn drawn(app: &TestApp) -> f32 {
 /// The first scene while its line is dragged.
 fn dragged() -> TestApp {
     let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut app = TestApp::first_start(ThemeChoice::Light, builder);
+    let mut app =
+        TestApp::driving_setup(slipline_window::app::first_setup().unwrap(), ThemeChoice::Light, builder);
     let line = line_rect(&app).center();
     app.grab(line, 100);
     app.hover(line - vec2(6.0, 0.0), 100);

@@ -44,7 +44,8 @@ fn drag(wanted: impl Fn(u16) -> bool) -> Vec<(u16, ColorImage)> {
         .with_theme(Theme::Dark)
         .renderer(painter.clone())
         .with_pixels_per_point(density);
-    let mut app = TestApp::first_start(ThemeChoice::Dark, builder);
+    let mut app =
+        TestApp::driving_setup(slipline_window::app::first_setup().unwrap(), ThemeChoice::Dark, builder);
     app.wait(100);
     let line = line_rect(&app).center();
     let size = WINDOW.map(|points| (points * density).ceil() as usize);

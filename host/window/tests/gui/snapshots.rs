@@ -27,7 +27,7 @@ fn first_picture(theme: ThemeChoice, size: [u16; 2]) -> ColorImage {
 /// The window in this theme and of this size in points, after `prepare` has acted on it.
 fn picture(theme: ThemeChoice, size: [u16; 2], prepare: impl FnOnce(&mut TestApp)) -> ColorImage {
     painted(theme, size, 1.0, |theme, builder| {
-        let mut app = TestApp::driving_with(theme, builder);
+        let mut app = TestApp::driving_setup(crate::test_app::membrane(), theme, builder);
         prepare(&mut app);
         app
     })
@@ -146,7 +146,7 @@ fn the_lights_on_the_stage_look_as_they_were_approved() {
     let few = |app: &mut TestApp| crate::light_marks::open(app, "al-sh", 0.16);
     compare("lights-small", &picture(ThemeChoice::Dark, [640, 480], few));
     let dense = |theme, builder| {
-        let mut app = TestApp::driving_with(theme, builder);
+        let mut app = TestApp::driving_setup(crate::test_app::membrane(), theme, builder);
         crate::light_marks::open(&mut app, "al-bending-displacement", 0.15);
         app
     };

@@ -72,26 +72,30 @@ impl Device {
 impl TestApp {
     /// The app on a membrane, connected and driving. Its sheet does not run.
     pub(crate) fn driving() -> Self {
-        let device = Device { picture: Picture::WithoutSheet, ..Device::plugged(None) };
-        Self::starting_with(membrane(), ThemeChoice::Light, usual(), tables(), device).once_driving()
+        Self::driving_with(ThemeChoice::Light, usual())
     }
 
     /// As [`Self::driving`], with its sheet.
     pub(crate) fn driving_with_sheet() -> Self {
-        Self::driving_with(ThemeChoice::Light, usual())
+        Self::driving_setup(membrane(), ThemeChoice::Light, usual())
     }
 
-    /// As [`Self::driving_with_sheet`], with another theme and window.
+    /// As [`Self::driving`], with another theme and window.
     pub(crate) fn driving_with(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
-        Self::driving_setup(membrane(), theme, builder)
+        Self::without_sheet(membrane(), theme, builder)
     }
 
-    /// The app at its first start in this theme and window, with the scene of a first start.
+    /// The app at its first start in this theme and window, with the scene of a first start. Its sheet does not run.
     pub(crate) fn first_start(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
-        Self::driving_setup(first_setup().unwrap(), theme, builder)
+        Self::without_sheet(first_setup().unwrap(), theme, builder)
     }
 
-    /// The app with this setup, driving.
+    fn without_sheet(setup: Setup, theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
+        let device = Device { picture: Picture::WithoutSheet, ..Device::plugged(None) };
+        Self::starting_with(setup, theme, builder, tables(), device).once_driving()
+    }
+
+    /// The app with this setup, driving, with its sheet.
     pub(crate) fn driving_setup(
         setup: Setup,
         theme: ThemeChoice,
@@ -460,7 +464,7 @@ fn parts(
 
 /// One tone in the middle of the membrane, whose line holds the turning point: what most tests use, because its table is
 /// made soon and its places are those of the device.
-fn membrane() -> Setup {
+pub(crate) fn membrane() -> Setup {
     let plate = slipline_plate::preset("membrane").unwrap();
     Setup { boundary: BoundaryMode::TurningPoint, ..Setup::new(plate.into()) }
 }

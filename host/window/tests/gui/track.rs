@@ -32,7 +32,9 @@ fn says(app: &TestApp, text: &str) -> bool {
 
 #[test]
 fn the_first_scene_begins_with_a_finger_that_takes_nothing_and_makes_no_sound() {
-    let mut app = first_start();
+    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(Theme::Dark);
+    let setup = slipline_window::app::first_setup().unwrap();
+    let mut app = TestApp::driving_setup(setup, ThemeChoice::Dark, builder);
     assert!(has_finger(&app) && finger_mm(&app) < line_mm(&app));
     assert!(says(&app, "simulated plate") && says(&app, "predicted"), "the plate moves as without it");
     assert!(app.has_part("2-D sheet"));
