@@ -2,9 +2,10 @@
 
 use super::time_line::assert_answers_a_tone;
 use slipline_plate::check::{Checker, Colour, Conditions, Light};
+use slipline_plate::design::{Material, Request, Wave, design};
 use slipline_plate::{
     Air, AirMounting, Calibration, DriveEnd, DriveTable, Equation, Faces, Film, Frame, Gas, Model, Plate,
-    PlateSpec, plane, preset, respond,
+    PlateSpec, Progress, plane, preset, respond,
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -222,6 +223,40 @@ fn the_light_of_the_frame_says_which_table_keeps_it_still() {
     let error =
         Plate::from_toml(&text.replace("rim_m = 0.02", "rim_m = 0.6")).expect_err("refused").to_string();
     assert!(error.contains("frame.rim_m = 0.6: must be 0.01 to 0.5 m"), "{error}");
+}
+
+/// A heavy skin under a strong drive shakes every usual frame. What its design says before it is built, the light says of its plate
+/// file, the worst over the span; on the table that the design names it is green.
+#[test]
+fn a_design_whose_frame_shakes_says_so_and_which_table_keeps_it_still() {
+    let skin = |material: &str, thickness_m: f64, full_scale_m: f64| {
+        let wave = Wave::Membrane { wave_speed_m_per_s: 12.0 };
+        let material = Material::named(material).expect("known");
+        let request = Request::new("skin", material, thickness_m, wave, (80.0, 220.0), 0.4);
+        let request = Request { full_scale_m, ..request };
+        design(&request, &mut Progress::unwatched()).expect("possible")
+    };
+    let worst = |plate: &Plate| {
+        let checker = Checker::new(plate, Conditions::default()).expect("a table");
+        let report = checker.over_span(&mut Progress::unwatched()).expect("a report");
+        report.lights.into_iter().find(|light| light.name == "frame").expect("a light")
+    };
+    let shakes = skin("silicone-rubber", 2.5e-3, 5e-4);
+    let (chosen, found) = (shakes.frame.expect("a frame"), worst(&shakes.plate));
+    println!("{chosen:?} {found:?}");
+    assert!(found.colour > Colour::Green && chosen.table_mass_kg > 0.0, "{found:?} {chosen:?}");
+    let caution = shakes.caution().expect("it shakes");
+    let table = format!("Screw it to a table of {} kg or more.", chosen.table_mass_kg);
+    assert!(caution.contains("No usual frame is still") && caution.contains(&table), "{caution}");
+    let stated = shakes.plate.spec().frame.expect("in the plate file");
+    let frame = Some(Frame { table_mass_kg: chosen.table_mass_kg, ..stated });
+    let screwed = Plate::new(PlateSpec { frame, ..shakes.plate.spec().clone() }).expect("valid");
+    let screwed = worst(&screwed);
+    assert_eq!(screwed.colour, Colour::Green, "{screwed:?}");
+    let still = skin("latex", 0.3e-3, 1e-4);
+    let (chosen, found) = (still.frame.expect("a frame"), worst(&still.plate));
+    assert!(chosen.table_mass_kg == 0.0 && found.colour == Colour::Green, "{chosen:?} {found:?}");
+    assert!(still.caution().is_none_or(|caution| !caution.contains("Screw")), "{:?}", still.caution());
 }
 
 /// Stretched by 1/sqrt(Tz/Tx) across, a membrane of two tensions is one of one tension: its wave enters above

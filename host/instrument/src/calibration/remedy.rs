@@ -31,6 +31,7 @@ impl Remedy {
             | CalibrateError::NoSignal { place_m }
             | CalibrateError::Misplaced { place_m, .. }
             | CalibrateError::HeavySensor { place_m, .. }
+            | CalibrateError::UnlikeNearEnd { place_m, .. }
             | CalibrateError::NotCarried { place_m, .. } => at(place_m),
             CalibrateError::NoStrain
             | CalibrateError::AnotherMass { .. }

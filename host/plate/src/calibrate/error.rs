@@ -132,6 +132,18 @@ pub enum CalibrateError {
         /// The most that is accepted.
         most: f64,
     },
+    /// The same of one sensor within reach of other waves than the one that is calibrated.
+    #[error("what the sensor at {} shows does not fit this plate (chi^2 is {} per answer, at most {} is accepted). So near to the driven end it sees other waves, too: put it at {} or beyond, and see that nothing touches the plate", show_place(*.place_m), significant(*.chi2_per_n, 2), significant(*.most, 2), show_place(*.nearest_m))]
+    UnlikeNearEnd {
+        /// The sensor's place, metres.
+        place_m: f64,
+        /// The nearest place where one wave is nearly alone, metres.
+        nearest_m: f64,
+        /// Sum of the squared residuals over their number.
+        chi2_per_n: f64,
+        /// The most that is accepted.
+        most: f64,
+    },
     /// What a finger felt is no wave of such a plate.
     #[error("the felt edges do not fit this plate (chi^2 is {} per edge, at most {} is accepted): are two marks exchanged, is the level another one, or does the drive's level swing more than that of other drives, which needs a sensor?", significant(*.chi2_per_n, 2), significant(*.most, 2))]
     EdgesUnlike {

@@ -75,9 +75,8 @@ pub(super) fn choose(plate: &Plate, rim_m: f64) -> Option<(Frame, ChosenFrame)> 
         let thickness_m = 2.0 * sheet_m;
         let frame = Frame { youngs_modulus_pa, density_kg_per_m3, thickness_m, rim_m, table_mass_kg: 0.0 };
         let moves = worst(plate, &frame, &fields);
-        let (over_db, rigid_kg) = moves.unwrap_or((f64::NEG_INFINITY, 0.0));
+        let (over_db, still_kg) = moves.unwrap_or((f64::NEG_INFINITY, 0.0));
         let mass_kg = frame.mass_kg(plate);
-        let needed_kg = rigid_kg * from_decibels(over_db - FRAME_DB.green + MARGIN_DB) - mass_kg;
         let stands = over_db <= FRAME_DB.green - MARGIN_DB;
         let chosen = ChosenFrame {
             material,
@@ -85,7 +84,7 @@ pub(super) fn choose(plate: &Plate, rim_m: f64) -> Option<(Frame, ChosenFrame)> 
             mass_kg,
             first_bending_hz: frame.first_bending_hz(plate),
             over_threshold_db: moves.map(|(over_db, _)| over_db),
-            table_mass_kg: if stands { 0.0 } else { needed_kg.ceil().max(1.0) },
+            table_mass_kg: if stands { 0.0 } else { (still_kg - mass_kg).ceil().max(1.0) },
         };
         if best.as_ref().is_none_or(|(_, _, best_db)| over_db < *best_db) {
             best = Some((frame, chosen, over_db));
@@ -123,12 +122,13 @@ fn fields(plate: &Plate) -> Vec<Field> {
     responses.into_iter().map(field).collect()
 }
 
-/// The largest motion of the frame over what is just felt, dB, and the mass at which it would move like that as a rigid body.
+/// The largest motion of the frame over what is just felt, dB, and the mass that keeps it still at every boundary, kg. A free frame moves
+/// most near its first bending, a screwed one, which does not bend, at another boundary.
 fn worst(plate: &Plate, frame: &Frame, fields: &[Field]) -> Option<(f64, f64)> {
     let over = |field: &Field| {
         let motion = frame.motion(plate, field.frequency_hz, &field.metres, field.boundary_m)?;
-        let just_felt_m = Feeling::default().just_felt_m(field.frequency_hz);
-        Some((decibels(motion.amplitude_m / just_felt_m), motion.rigid_kg))
+        let over_db = decibels(motion.amplitude_m / Feeling::default().just_felt_m(field.frequency_hz));
+        Some((over_db, motion.rigid_kg * from_decibels(over_db - FRAME_DB.green + MARGIN_DB)))
     };
-    fields.iter().filter_map(over).max_by(|a, b| a.0.total_cmp(&b.0))
+    fields.iter().filter_map(over).reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
 }

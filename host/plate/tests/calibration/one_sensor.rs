@@ -165,10 +165,22 @@ fn one_sensor_near_the_driven_end_in_two_dimensions_is_within_its_intervals() {
     near_the_end(&[(6, Solver::TwoDimensions), (18, Solver::TwoDimensions)]);
 }
 
-/// A bar moves the whole width of the end alike: the boundary was 1.20 mm off where 0.94 was stated.
+/// A bar moves the whole width of the end alike: the boundary was 1.20 mm off where 0.94 was stated, and with the third width mode as
+/// noise alone the level was 1.5 and 1.4 dB off at 25 and 16 mm where 0.9 were.
 #[test]
 fn one_sensor_on_a_membrane_that_a_bar_moves_is_within_its_intervals() {
-    near_the_end(&[(16, Solver::Bar), (24, Solver::Bar)]);
+    near_the_end(&[(4, Solver::Bar), (16, Solver::Bar), (26, Solver::Bar)]);
+}
+
+#[test]
+fn a_refusal_beside_a_bar_says_where_to_put_the_sensor() {
+    let error = Anywhere::of(22, Solver::Bar).found.expect_err("refused");
+    let CalibrateError::UnlikeNearEnd { place_m, nearest_m, .. } = error else { panic!("{error}") };
+    assert!(place_m < 0.024 && nearest_m > 0.08, "{error}");
+    assert!(
+        error.to_string().contains("the sensor at 23.2 mm") && error.to_string().contains("or beyond"),
+        "{error}"
+    );
 }
 
 fn near_the_end(plates: &[(u64, Solver)]) {
@@ -194,6 +206,7 @@ fn anywhere(seeds: impl Iterator<Item = u64>, solver: Solver) {
         all.len()
     );
     assert!(10 * shares.len() >= 9 * all.len() && 20 * within >= 19 * shares.len(), "{shares:.2?}");
+    assert!(10 * levels >= 9 * shares.len(), "the level of {levels}");
 }
 
 #[test]
@@ -236,7 +249,8 @@ fn misuse(presets: &[&str]) {
             point.headroom_db = None;
         }
         let error = calibrated(&rig, &clipped).expect_err("clipped");
-        assert!(matches!(error, CalibrateError::Unlike { .. } | CalibrateError::NoFit), "{error}");
+        // At a tenth of the length it is within reach of the third width mode, which may be the cause as well.
+        assert!(matches!(error, CalibrateError::UnlikeNearEnd { .. } | CalibrateError::NoFit), "{error}");
         let mut another = rig.clone();
         another.nominal = rig.nominal.with_wave_speed(1.2).expect("valid");
         let error = calibrated(&another, &sensor).expect_err("another plate");

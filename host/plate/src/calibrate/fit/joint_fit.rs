@@ -14,6 +14,7 @@ use super::response::wave::{COARSE, FINE, points};
 use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
 use super::source::data::Datum;
 use super::source::source_model::SourceModel;
+use super::source::third_mode::add_third;
 use super::unknowns::{EDGE_GIVE, HELD, OF_PLATE, Priors, SPEED, of_baffle, spec_at, with_speed};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorBody, SensorKind};
@@ -169,6 +170,10 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         let spec = spec_at(self.nominal, coordinates);
         let sensor = self.sensor.map_or(SensorKind::Displacement, |sensor| sensor.sensor);
         let mut found = answers(&spec, points, self.units, sensor, places_m, frequencies_hz, with_peak)?;
+        // A scan does without.
+        if self.source.counts_third_mode() && coordinates.len() > self.of_source() {
+            add_third(&mut found, &Plate::new(spec.clone()).ok()?, sensor, places_m);
+        }
         if let (Some(body), Some(&place_m)) = (self.body(), places_m.first()) {
             let factor = self.of_mass(coordinates).unwrap_or(0.0).exp();
             let body = SensorBody { mass_kg: factor * body.mass_kg, ..body };

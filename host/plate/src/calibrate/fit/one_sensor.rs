@@ -10,11 +10,13 @@ use super::result::{AcceptedFit, Calibrated};
 use super::source::data::{Datum, entering, of_deflection};
 use super::source::sensor_signal::{CURVE, DELAY, RISE, SensorSignal};
 use super::source::source_file::FittedSource;
-use super::source::third_mode::{front_m, widen};
-use super::unknowns::{HELD, Priors};
+use super::source::third_mode::widen;
+use super::unknowns::Priors;
 use crate::calibrate::error::CalibrateError;
+use crate::calibrate::measurement::band::band_hz;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::calibrate::measurement::signal;
+use crate::calibrate::placement::near_limit::NearLimit;
 use crate::definition::Plate;
 
 /// Calibrates `plate`, the nominal one, from one sensor at one place. The model includes everything before the plate: a
@@ -39,7 +41,19 @@ pub fn from_one_sensor(
     sensor: &Measurement,
     priors: &Priors,
 ) -> Result<Calibrated, CalibrateError> {
-    fitted(plate, sensor, priors, true).map(|(calibrated, _)| calibrated)
+    let found = fitted(plate, sensor, priors, true).map(|(calibrated, _)| calibrated);
+    found.map_err(|error| near_end(plate, sensor, error))
+}
+
+/// The refusal of a sensor that stands nearer to the driven end than a plan proposes: that it sees other waves, too.
+fn near_end(plate: &Plate, sensor: &Measurement, error: CalibrateError) -> CalibrateError {
+    let (place_m, (nearest_m, _)) = (sensor.place_m, NearLimit::of(plate, band_hz(plate), false));
+    match error {
+        CalibrateError::Unlike { chi2_per_n, most } if place_m < nearest_m => {
+            CalibrateError::UnlikeNearEnd { place_m, nearest_m, chi2_per_n, most }
+        }
+        error => error,
+    }
 }
 
 /// Refuses a plate that no measurement by one sensor, or of the drive's current, can calibrate: its file must state a
@@ -65,11 +79,11 @@ pub(crate) fn fitted(
     let points = entering(plate, sensor)?;
     let units = Units::of(plate, &points).ok_or(CalibrateError::NoFit)?;
     let mut data = of_deflection(&points, sensor, units);
-    let end_m = if of_any_end { front_m(plate) } else { HELD };
-    let source = SensorSignal::new(units, points[points.len() - 1].frequency_hz, end_m);
+    let mut source = SensorSignal::new(units, points[points.len() - 1].frequency_hz);
     let frequencies_hz: Vec<f64> = points.iter().map(|point| point.frequency_hz).collect();
     if of_any_end {
         widen(&mut data, plate, sensor.place_m, &frequencies_hz);
+        source = source.of_any_end(plate);
     }
     check_mass(plate, sensor, &frequencies_hz)?;
     let mut joint = Joint::new(plate, source, units, Some(sensor), priors, (&points, data));
@@ -89,7 +103,8 @@ pub(crate) fn fitted(
     let carried = |at: &[f64]| {
         let impedance = joint.impedance_of(at);
         let each = |((answer, point), datum): ((&PlateResponse, &MeasuredPoint), &Datum)| {
-            let to_peak = answer.rise(impedance) * answer.peak / answer.seen[0].norm();
+            let seen = SensorSignal::seen(answer, 0, &at[joint.of_source()..]);
+            let to_peak = answer.rise(impedance) * answer.peak / seen.norm();
             let error = datum.relative(MODEL_ERROR) * point.response.norm() * to_peak;
             Carried { frequency_hz: answer.frequency_hz, peak: unbiased_magnitude(point) * to_peak, error }
         };

@@ -22,7 +22,7 @@ use super::result::Calibrated;
 use super::source::data::{entering, of_deflection};
 use super::source::sensor_signal::SensorSignal;
 use super::source::source_model::SourceModel;
-use super::unknowns::{HELD, Priors, SPEED, of_plate, spec_at, with_speed};
+use super::unknowns::{Priors, SPEED, of_plate, spec_at, with_speed};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorBody};
 use crate::calibrate::measurement::signal;
@@ -266,7 +266,7 @@ impl SpeedTrim {
             weigh(&mut answers, &spec, count, self.units, (SensorBody { mass_kg, ..body }, place_m))?;
             of_source += 1;
         }
-        let source = SensorSignal::new(self.units, highest_hz, HELD);
+        let source = SensorSignal::new(self.units, highest_hz);
         let seen = |answer| source.response(answer, 0, &coordinates[of_source..]);
         Some(answers.iter().map(seen).collect())
     }

@@ -7,7 +7,7 @@
 
 mod check;
 mod information;
-mod near_limit;
+pub(crate) mod near_limit;
 pub(crate) mod plan;
 mod warning;
 

@@ -60,8 +60,13 @@ pub(crate) struct PlateResponse {
     /// `force` and `motion` of the bare plate where a sensor weighs on it: the two above are then those that give the
     /// sensor's own motion from the bare plate's `seen`.
     pub(crate) bare: Option<[Complex64; 2]>,
+    /// p(0) and p'(0).
+    pub(crate) at_end: [Complex64; 2],
     /// p at each place; p'' for a strain sensor.
     pub(crate) seen: Vec<Complex64>,
+    /// What each place shows of the third width mode, where it was requested: of one as high as p(0) at the driven end, and of what the
+    /// taper makes there.
+    pub(crate) third: Vec<[Complex64; 2]>,
     /// Amplitude of the peak, where it was requested.
     pub(crate) peak: f64,
 }
@@ -153,8 +158,9 @@ pub(crate) fn answers(
         let bend = -wave.plate().narrowing_per_m(0.0) * slope - square * row.value;
         let by_end = end.of_wave(frequency_hz, slope, bend);
         let rate = units.rate(frequency_hz);
-        let (seen, peak) = (row.seen, row.peak);
-        PlateResponse { frequency_hz, rate, force, motion, by_end, bare: None, seen, peak }
+        let (at_end, seen, peak) = ([row.value, slope], row.seen, row.peak);
+        let third = Vec::new();
+        PlateResponse { frequency_hz, rate, force, motion, by_end, bare: None, at_end, seen, third, peak }
     };
     Some(frequencies_hz.iter().zip(rows).map(answer).collect())
 }

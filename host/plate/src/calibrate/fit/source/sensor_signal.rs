@@ -3,27 +3,36 @@
 //! With the rate sigma = -j omega and the dynamic stiffness D = s + R sigma + m sigma^2 of the source
 //!
 //! ```text
-//! H = G e^(j omega tau) p(x) / (A (F_p + D f(0))),   A = 1 + a1 sigma + a2 sigma^2
+//! H = G e^(j omega tau) (p(x) + (e p(0) - e' l p'(0)) t(x)) / (A (F_p + D f(0))),   A = 1 + a1 sigma + a2 sigma^2
 //! ```
 //!
-//! so e^(j omega tau) p(x)/H is linear in the eight products c_k = [1, a1, a2]/G and b_k of A and D, which a scan
+//! with the third width mode's amplitude e at the driven end over the first one's, the share e' of what the taper makes of it there, and
+//! its wave t(x) (`third_mode.rs`). A scan leaves it out,
+//!
+//! so that e^(j omega tau) p(x)/H is linear in the eight products c_k = [1, a1, a2]/G and b_k of A and D, which a scan
 //! solves. With D known it is linear in (1, a1, a2)/G, with A known in (1, R, m, s)/G.
 
 use super::data::Datum;
 use super::source_model::SourceModel;
+use super::third_mode::{OF_A_BAR, front_m};
 use crate::calibrate::fit::linear_least_squares::Columns;
 use crate::calibrate::fit::response::plate_response::{PlateResponse, Units};
+use crate::calibrate::fit::unknowns::HELD;
+use crate::definition::Plate;
 use crate::order;
 use num_complex::Complex64;
 
-/// Coordinates after resistance, mass and stiffness: a1, a2, gain, delay, and the place of the driven end, metres.
+/// Coordinates after resistance, mass and stiffness: a1, a2, gain, delay, the place of the driven end, metres, and the third width
+/// mode's amplitude there, over the first one's and over what the taper makes of it.
 pub(crate) const RISE: usize = 3;
 pub(crate) const CURVE: usize = 4;
 pub(crate) const GAIN: usize = 5;
 pub(crate) const DELAY: usize = 6;
 pub(crate) const END: usize = 7;
+const THIRD: usize = 8;
+const FORCED: usize = 9;
 /// Number of coordinates of the source.
-const COUNT: usize = 8;
+const COUNT: usize = 10;
 /// Prior standard deviations of resistance, mass and stiffness, in units of the plate.
 pub(crate) const OF_PLATE_SIZE: f64 = 3.0;
 /// Prior standard deviations of a1 and a2: no resonance below a third of the band's middle.
@@ -51,11 +60,29 @@ pub(crate) struct SensorSignal {
     highest_hz: f64,
     /// Standard deviation of the driven end from where the equation has it, metres.
     end_m: f64,
+    /// Standard deviation of the third width mode's amplitude at the driven end over the first one's.
+    third: f64,
+    /// The same of what the taper makes of it there, over `forced_m` p'(0).
+    forced: f64,
 }
 
 impl SensorSignal {
-    pub(crate) const fn new(units: Units, highest_hz: f64, end_m: f64) -> Self {
-        Self { units, highest_hz, end_m }
+    /// Of an end that moves in the shape of the first width mode.
+    pub(crate) const fn new(units: Units, highest_hz: f64) -> Self {
+        Self { units, highest_hz, end_m: HELD, third: HELD, forced: HELD }
+    }
+
+    /// Of an end of `plate` that moves in any shape up to that of a bar.
+    pub(crate) fn of_any_end(self, plate: &Plate) -> Self {
+        Self { end_m: front_m(plate), third: OF_A_BAR, forced: 1.0, ..self }
+    }
+
+    /// p at the sensor with what the third width mode adds to it.
+    pub(crate) fn seen(answer: &PlateResponse, place: usize, source: &[f64]) -> Complex64 {
+        let third = answer.third.get(place);
+        let third =
+            third.map_or(Complex64::ZERO, |[moved, forced]| source[THIRD] * moved + source[FORCED] * forced);
+        answer.seen[place] + third
     }
 
     /// The delays of a scan, in units.
@@ -83,12 +110,17 @@ impl SourceModel for SensorSignal {
         (deviations[RISE], deviations[CURVE]) = (OF_ACTUATOR, OF_ACTUATOR);
         (deviations[GAIN], deviations[DELAY]) = (f64::INFINITY, f64::INFINITY);
         deviations[END] = self.end_m;
+        (deviations[THIRD], deviations[FORCED]) = (self.third, self.forced);
         deviations
+    }
+
+    fn counts_third_mode(&self) -> bool {
+        self.third > HELD
     }
 
     fn response(&self, answer: &PlateResponse, place: usize, source: &[f64]) -> Complex64 {
         let load = answer.load_of_end([source[0], source[1], source[2]], source[END]);
-        source[GAIN] * lag(answer, source[DELAY]) * answer.seen[place]
+        source[GAIN] * lag(answer, source[DELAY]) * Self::seen(answer, place, source)
             / (load * actuator(&source[RISE..], answer.rate))
     }
 

@@ -12,6 +12,10 @@ pub(crate) trait SourceModel {
     const ALL: bool = false;
     /// Prior standard deviations of the coordinates, about 0; infinite for no prior.
     fn deviations(&self) -> Vec<f64>;
+    /// Whether the responses are to show the third width mode at the sensor.
+    fn counts_third_mode(&self) -> bool {
+        false
+    }
     /// The response at a place (the index in [`PlateResponse::seen`]).
     fn response(&self, answer: &PlateResponse, place: usize, source: &[f64]) -> Complex64;
     /// Chi-squared of the best-fitting source for this plate; residuals weighted by noise and `model_error`.
