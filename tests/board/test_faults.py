@@ -202,7 +202,8 @@ def fail_on_purpose(rig, faults):
         assert last.muted_after_us <= muted_in * 1e6, last
         assert fault != "MaskedInterrupts" or last.muted_after_us >= 3600, last
         assert fault != "Hang" or last.muted_after_us >= 150_000, last
-        assert host.status()["faults"] == {latched}
+        status = host.status()
+        assert (status["state"], status["faults"]) == ("fault", {latched}), "no safe mode"
         host.accept("ClearFaults")
     # Another reset forgets it.
     board.reset("pin")
