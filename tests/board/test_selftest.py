@@ -9,7 +9,7 @@ import pytest
 from boards import on_f407
 from copies import in_copy
 from core.load import Wiring
-from desk import Desk
+from desk import RESTARTS, Desk
 from rig import MID, NOISE, noisy
 
 WIRES = "dac=sensor", "trigger=trigger-in"
@@ -53,6 +53,18 @@ def test_without_wires_their_steps_are_skipped_and_nothing_else(rig):
     assert len(highs(rig)) == 2
     assert rig.board.pin(rig.facts.unmute) == 0
     assert desk.seconds < SHORT
+
+
+@pytest.mark.nightly
+def test_in_full_the_board_enters_its_bootloader_and_fails_on_purpose_and_is_found_again(rig):
+    """With a person at the board."""
+    rig.wire(*WIRES)
+    desk = Desk(rig, *WIRES, "unplugged", "ask", "full")
+    desk.test()
+    print(f"\n{rig.facts.name}: {desk.seconds:.2f} s of the board's time", *rig.board.resets)
+    assert desk.verdicts() == {"green": [*STEPS, *RESTARTS]}, desk.report
+    assert rig.board.resets[-4:] == ["pin", "watchdog", "watchdog", "software"]
+    assert rig.board.pin(rig.facts.unmute) == 0
 
 
 class Fault(NamedTuple):
@@ -106,7 +118,9 @@ def lost_after_a_stall(rig):
 
 def reference(volts):
     def plant(rig):
-        rig.board.adc.reference_volts = volts
+        # The H743 measures it by a converter of its own.
+        for converter in (rig.board.adc, getattr(rig.board, "adc3", rig.board.adc)):
+            converter.reference_volts = volts
 
     return plant
 
@@ -126,6 +140,8 @@ def dead_break(rig):
 
 
 def stuck_button(rig):
+    """After the start, at which the program takes the button's level for that at rest."""
+    rig.board.run(0.05)
     rig.board.pins.drive(rig.facts.button, 1)
 
 

@@ -169,7 +169,7 @@ fn stop(request: SelftestRequest, at: usize) {
 fn a_stop_at_any_moment_leaves_the_board_connected_muted_and_disarmed() {
     let (mut random, (reopens, end)) = (Random::new(4), looks(everything()));
     for part in [(0.0, end), (reopens, end)] {
-        for _ in 0..20 {
+        for _ in 0..13 {
             stop(everything(), random.within(part.0, part.1) as usize);
         }
     }
@@ -178,7 +178,7 @@ fn a_stop_at_any_moment_leaves_the_board_connected_muted_and_disarmed() {
 #[test]
 fn a_stop_while_the_device_restarts_leaves_it_connected_muted_and_disarmed() {
     let (mut random, (restarts, end)) = (Random::new(8), looks(in_full()));
-    for _ in 0..12 {
+    for _ in 0..8 {
         stop(in_full(), random.within(restarts, end) as usize);
     }
 }
