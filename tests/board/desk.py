@@ -14,7 +14,6 @@ from images import selftest_in_step
 # Time between two looks of the program at its line, and the time after which a test that has not ended never will.
 LOOK_US, PATIENCE = 1000, 60.0
 # What the program asks a person, and the level of the user button then.
-RESET = "The board is in its bootloader. Press its reset button now."
 PRESSED = {"Press the user button now.": 1, "Press the user button now and hold it.": 1, "Let the user button go now.": 0}
 
 
@@ -25,7 +24,7 @@ class Desk:
         self.rig, self.clock = rig, clock
         self.program = subprocess.Popen([selftest_in_step(), *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         rig.board.run_until(lambda: rig.cable.is_configured, 0.2)
-        self.began, self.looks, self.prompt, self.report = rig.board.seconds, 0, "", None
+        self.began, self.looks, self.report = rig.board.seconds, 0, None
         # The person presses what is asked.
         self.obeys = True
 
@@ -53,9 +52,6 @@ class Desk:
             self.rig.cable.send(b"" if answer == "-" else bytes.fromhex(answer))
             if self.obeys and prompt in PRESSED:
                 self.rig.board.pins.drive(self.rig.facts.button, PRESSED[prompt])
-            if self.obeys and prompt == RESET != self.prompt:
-                self.rig.board.reset("pin")
-            self.prompt = prompt
         return False
 
     def test(self):
@@ -65,14 +61,13 @@ class Desk:
         return self.report
 
     def verdicts(self):
-        """The steps' names by their verdicts, those that such a test never shows left out."""
+        """The steps' names by their verdicts, those that no version shows left out."""
         found = {}
         for step in self.report["steps"]:
-            if step["name"] not in NEVER - ({*RESTARTS} if not self.report["short"] else set()):
+            if step["name"] not in NEVER:
                 found.setdefault(step["verdict"], []).append(step["name"])
         return found
 
 
-# The steps of a full test in which the board restarts; what no message of today can show; the amplifier, which is tested by itself.
-RESTARTS = "bootloader", "faults"
-NEVER = {*RESTARTS, "others", "amplifier"}
+# The steps that no message of today can show, and that of the amplifier, which is tested by itself.
+NEVER = {"bootloader", "faults", "others", "amplifier"}

@@ -9,7 +9,7 @@ import pytest
 from boards import on_f407
 from copies import in_copy
 from core.load import Wiring
-from desk import RESTARTS, Desk
+from desk import Desk
 from rig import MID, NOISE, noisy
 
 WIRES = "dac=sensor", "trigger=trigger-in"
@@ -53,18 +53,6 @@ def test_without_wires_their_steps_are_skipped_and_nothing_else(rig):
     assert len(highs(rig)) == 2
     assert rig.board.pin(rig.facts.unmute) == 0
     assert desk.seconds < SHORT
-
-
-@pytest.mark.nightly
-def test_in_full_the_board_enters_its_bootloader_and_fails_on_purpose_and_is_found_again(rig):
-    """With a person at the board."""
-    rig.wire(*WIRES)
-    desk = Desk(rig, *WIRES, "unplugged", "ask", "full")
-    desk.test()
-    print(f"\n{rig.facts.name}: {desk.seconds:.2f} s of the board's time", *rig.board.resets)
-    assert desk.verdicts() == {"green": [*STEPS, *RESTARTS]}, desk.report
-    assert rig.board.resets[-4:] == ["pin", "watchdog", "watchdog", "software"]
-    assert rig.board.pin(rig.facts.unmute) == 0
 
 
 class Fault(NamedTuple):

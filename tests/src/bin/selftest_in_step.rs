@@ -2,7 +2,7 @@
 //! The link, the mirror and the procedure are those of `slipline selftest`; the clock is the model's, so no verdict depends on the
 //! computer's speed.
 //!
-//! `cargo run -p slipline-tests --bin selftest_in_step [dac=sensor] [trigger=trigger-in] [unplugged] [ask] [full]`
+//! `cargo run -p slipline-tests --bin selftest_in_step [dac=sensor] [trigger=trigger-in] [unplugged] [ask]`
 //!
 //! Standard input, one line for each look: `<us> <bytes>`, the time in microseconds and what the device has sent since the last
 //! look, in hexadecimal, or `-`; `<us> stop` is the user's STOP.
@@ -99,7 +99,6 @@ fn request(words: impl Iterator<Item = String>) -> Result<SelftestRequest, Strin
         match word.as_str() {
             "unplugged" => request.is_amplifier_unplugged = true,
             "ask" => request.asks = true,
-            "full" => request.is_short = false,
             wire => wires.push(wire.parse::<Wire>().map_err(|error| format!("{wire:?}: {error}"))?),
         }
     }
