@@ -1,24 +1,21 @@
-"""Waits of which the model makes many rounds at once: a register that is counted down, as by `cortex_m::asm::delay`, and an endless loop.
+"""A wait that counts a register down, as `cortex_m::asm::delay` has it, of which the model makes many rounds at once.
 
-    subs rN, #1        b .
+    subs rN, #1
     bne  .-2
 
-A round changes rN and its flags, or nothing, and time passes. So rounds that begin before anything else can happen are left out, and the
-last of them is executed, at the same time and with the same register. A program that waits for the watchdog costs the model a tenth.
+A round changes rN and its flags, and time passes. So rounds that begin before anything else can happen are left out, and the last of
+them is executed, at the same time and with the same register. A program that waits for the watchdog costs the model a tenth.
 """
 import struct
 
-from unicorn.arm_const import UC_ARM_REG_INVALID, UC_ARM_REG_R0
+from unicorn.arm_const import UC_ARM_REG_R0
 
-# subs rN, #1 with N in bits 8 to 10, and bne to it (ARMv7-M A7.7.174, T2; A7.7.12, T1); a branch to itself (A7.7.12, T2).
-SUBTRACT_ONE, REGISTER_AT, BACK, STAY = 0x3801, 8, 0xD1FD, 0xE7FE
-ENDLESS = UC_ARM_REG_INVALID
+# subs rN, #1 with N in bits 8 to 10, and bne to it (ARMv7-M A7.7.174, T2; A7.7.12, T1).
+SUBTRACT_ONE, REGISTER_AT, BACK = 0x3801, 8, 0xD1FD
 
 
 def counted(code):
-    """The register that a block of code counts down, as Unicorn's number, or `ENDLESS`; None for any other code."""
-    if code == struct.pack("<H", STAY):
-        return ENDLESS
+    """The register that a block of code counts down, as Unicorn's number; None for any other code."""
     if len(code) != 4:
         return None
     subtract, back = struct.unpack("<HH", code)

@@ -12,7 +12,7 @@ from unicorn.arm_const import (
 from m4_timing import REFILL, Timing
 
 from .agenda import Agenda
-from .countdown import ENDLESS, counted, rounds_to_leave_out
+from .countdown import counted, rounds_to_leave_out
 from .faults import DATA_ERROR, Faults
 from .memory import Memory
 from .mpu import Mpu
@@ -152,11 +152,10 @@ class Processor(Faults, Agenda):
 
     def leave_rounds_out(self, register, cycles):
         """The round of a wait that was paid for is its last one before something happens."""
-        left = float("inf") if register == ENDLESS else self.cpu.reg_read(register) or 1 << 32
+        left = self.cpu.reg_read(register) or 1 << 32
         until = min(self.limit, self.events[0][0]) if self.events else self.limit
         out = rounds_to_leave_out(left, cycles, until - self.now)
-        if register != ENDLESS:
-            self.cpu.reg_write(register, left - out & 0xFFFFFFFF)
+        self.cpu.reg_write(register, left - out & 0xFFFFFFFF)
         self.now += out * cycles
 
     def on_event_wait(self, *_):
