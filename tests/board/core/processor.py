@@ -12,6 +12,7 @@ from unicorn.arm_const import (
 from m4_timing import REFILL, Timing
 
 from .agenda import Agenda
+from .countdown import counted, rounds_to_leave_out
 from .faults import DATA_ERROR, Faults
 from .memory import Memory
 from .mpu import Mpu
@@ -141,11 +142,21 @@ class Processor(Faults, Agenda):
         block = (address, size)
         known = self.costs.get(block)
         if known is None:
-            known = self.costs[block] = self.timing.straight(address, size)
+            known = self.costs[block] = *self.timing.straight(address, size), counted(self.cpu.mem_read(address, size))
         # A jump is known for one when the next block of code begins elsewhere.
         self.now += (known[0] + (REFILL if self.follows not in (None, address) else 0)) * self.cycle
         self.follows = address + size if known[1] else None
         self.block_end = address + size
+        if known[2] is not None:
+            self.leave_rounds_out(known[2], (known[0] + REFILL) * self.cycle)
+
+    def leave_rounds_out(self, register, cycles):
+        """The round of a wait that was paid for is its last one before something happens."""
+        left = self.cpu.reg_read(register) or 1 << 32
+        until = min(self.limit, self.events[0][0]) if self.events else self.limit
+        out = rounds_to_leave_out(left, cycles, until - self.now)
+        self.cpu.reg_write(register, left - out & 0xFFFFFFFF)
+        self.now += out * cycles
 
     def on_event_wait(self, *_):
         """WFE sleeps only while no event is latched (ARMv7-M B1.5.18)."""

@@ -164,8 +164,8 @@ pub(crate) fn take(p: Peripherals) -> Board {
     // PA4 is also the word select of the board's audio codec. PD4 low keeps that chip in reset, so it does not disturb
     // the pin. `forget`, because an `Output` that is dropped makes its pin an input again.
     core::mem::forget(Output::new(p.PD4, Level::Low, Speed::Low));
-    // The switch that would feed the USB socket from the board, for a device in it (UM1472: PC0, active low). Here a host
-    // feeds it.
+    // The switch that would feed the USB socket from the board, for a device in it (UM1472: PC0, active low; so ChibiOS has
+    // it for this board). Here a host feeds it.
     core::mem::forget(Output::new(p.PC0, Level::High, Speed::Low));
     Board {
         // PB1 is free on this board's headers. The wiring has a resistor to ground on it (BOARDS.md).

@@ -303,7 +303,8 @@ pub(crate) fn take(p: Peripherals) -> Board {
         trim_usb_clock();
     }
     // The switch that would feed the USB socket from the board, for a device in it (UM2407: PD10, active high). Here a host feeds
-    // it. PC0 is A1, the shunt's input, on this board.
+    // it. NuttX and MicroPython name the same pin for this board (MB1364), and MicroPython switches it off by the same level; only
+    // NuttX's host driver takes it for active low. PC0 is A1, the shunt's input, on this board.
     core::mem::forget(Output::new(p.PD10, Level::Low, Speed::Low));
     Board {
         // PE9, D6 on the Arduino header. The wiring has a resistor to ground on it (BOARDS.md).
@@ -377,7 +378,9 @@ pub(crate) fn chip() -> (u16, u16) {
 }
 
 /// RAMECC1's monitors of the AXI SRAM and of the DTCM's two halves (RM0433, RAM ECC monitoring): configuration at 0x20 times the
-/// number, status behind it. The peripheral access crate lacks them.
+/// number, status behind it. The peripheral access crate lacks them, and has a RAMECC at the same address of the H7A3. Checked in public
+/// headers of the H743: CR.ECCELEN is 0x20; SR.SEDCF, DEDF and DEBWDF are 1, 2 and 4. ST's HAL clears them as here
+/// (`__HAL_RAMECC_CLEAR_FLAG`), and its example `RAMECC_ErrorCount` enables no clock for them.
 fn ram_monitors() -> impl Iterator<Item = (Reg<u32, RW>, Reg<u32, RW>)> {
     const RAMECC1: usize = 0x5200_9000;
     [1, 3, 4].into_iter().map(|number| {

@@ -6,7 +6,7 @@ use super::prompt::Prompt;
 use super::setback::ended_by;
 use slipline_link::protocol::event::State as DeviceState;
 use slipline_link::protocol::limits::LEASE_MS;
-use slipline_link::{DeviceTable, Outcome, Request, Snapshot};
+use slipline_link::{DeviceTable, Outcome, Port, Request, Snapshot};
 use slipline_plate::calibrate::Measurement;
 use std::cell::{RefCell, RefMut};
 use std::future::poll_fn;
@@ -48,8 +48,8 @@ pub(super) struct State {
     pub(super) is_armed: bool,
     /// Faults of the device do not end the procedure, which looks at them itself.
     pub(super) bears_faults: bool,
-    /// A lost device does not end the procedure, which has made it restart.
-    pub(super) bears_loss: bool,
+    /// The procedure makes the device restart, so a lost device does not end it; whether the link looked for one before.
+    seeks: Option<bool>,
     /// What a person is asked to do.
     pub(super) prompt: Option<Prompt>,
     /// The link's latest snapshot, of a procedure that looks at it, and the slowest answer in one of them.
@@ -140,10 +140,22 @@ impl Dialogue {
         Ok(())
     }
 
-    /// From now on the device restarts because the procedure makes it: its loss ends nothing, and no code is replayed any more.
+    /// From now on the procedure closes the port or makes the device restart: a loss ends nothing, and no code is replayed any more.
     pub(crate) fn bear_loss(&self) {
+        let seeks = self.seen(|snapshot| snapshot.link.auto_reconnect).unwrap_or_default();
         let mut state = self.0.borrow_mut();
-        (state.bears_loss, state.codes) = (true, None);
+        state.seeks.get_or_insert(seeks);
+        state.codes = None;
+    }
+
+    /// Whether the link looked for a lost device before the procedure made the device restart; `None` where it has not.
+    pub(crate) fn seeks(&self) -> Option<bool> {
+        self.0.borrow().seeks
+    }
+
+    /// The port of the device, also of a lost one.
+    pub(crate) fn port(&self) -> Option<Port> {
+        self.seen(|snapshot| snapshot.link.port.clone()).flatten()
     }
 
     /// The device has not come back: it gets no table back.

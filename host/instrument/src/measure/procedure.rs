@@ -10,6 +10,7 @@ use slipline_plate::calibrate::Measurement;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll, Waker};
+use std::time::Duration;
 
 /// The evaluation of a device's outcomes. It may take seconds; the device is silent by then.
 pub(crate) type Evaluation<T> = Box<dyn FnOnce() -> Result<T, MeasureError>>;
@@ -58,12 +59,24 @@ enum Stage {
     Stopping,
     /// A device that the procedure has armed by itself is disarmed.
     Disarming,
+    /// After an error in a procedure that closes the port or makes the device restart: the link looks for a lost device as before.
+    Settling,
+    /// Then the port is opened again, so many times at most.
+    Reopening(u32),
+    /// The device is awaited before the port is opened again.
+    Awaiting(u32),
     /// The device gets its own table back, if it may hold another.
     Restoring,
     Ended,
 }
 
-/// A procedure under way. After any error the drive is stopped before the procedure ends.
+/// How often the port is opened again after an error, and for how long a device that restarts is awaited each time: the watchdog
+/// takes 0.6 s at most, USB a second.
+const OPENINGS: u32 = 3;
+const BACK_WITHIN: Duration = Duration::from_secs(1);
+
+/// A procedure under way. After any error the drive is stopped before the procedure ends, and the port is open again if the
+/// procedure has closed it, or has made the device restart.
 ///
 /// ```text
 /// loop: watch(snapshot) -> step() -> Ask: send it | Wait: take(outcome), when it arrives | Ended: finish()
@@ -155,12 +168,15 @@ impl<P: Procedure> Run<P> {
             }
         }
         if self.stage == Stage::Disarming && !std::mem::take(&mut self.dialogue.state().is_armed) {
-            self.stage = Stage::Restoring;
+            self.stage = self.after_disarming();
         }
         let request = match self.stage {
             Stage::Running => self.dialogue.state().asked.take(),
             Stage::Stopping => Some(Request::Stop),
             Stage::Disarming => Some(Request::Disarm),
+            Stage::Settling => Some(Request::AutoReconnect(self.dialogue.seeks().unwrap_or_default())),
+            Stage::Reopening(_) => Some(self.dialogue.port().map_or(Request::Refresh, Request::Connect)),
+            Stage::Awaiting(_) => Some(Request::Await(BACK_WITHIN)),
             Stage::Restoring => self.dialogue.state().own_table.take().map(Request::Upload),
             Stage::Ended => None,
         };
@@ -178,12 +194,18 @@ impl<P: Procedure> Run<P> {
         if !std::mem::take(&mut self.is_asked) {
             return;
         }
+        let is_done = matches!(outcome, Outcome::Done { .. });
         match self.stage {
             Stage::Running => self.dialogue.state().outcome = Some(outcome.clone()),
             Stage::Stopping => self.stage = Stage::Disarming,
-            Stage::Disarming => self.stage = Stage::Restoring,
+            Stage::Disarming => self.stage = self.after_disarming(),
+            Stage::Settling => self.stage = Stage::Reopening(OPENINGS),
+            Stage::Reopening(_) | Stage::Awaiting(_) if is_done => self.stage = Stage::Restoring,
+            Stage::Reopening(openings) => self.stage = Stage::Awaiting(openings - 1),
+            Stage::Awaiting(0) => self.stage = Stage::Restoring,
+            Stage::Awaiting(openings) => self.stage = Stage::Reopening(openings),
             Stage::Restoring => {
-                if !matches!(outcome, Outcome::Done { .. }) {
+                if !is_done {
                     self.error.get_or_insert(ended_by(outcome));
                 }
                 self.stage = Stage::Ended;
@@ -203,7 +225,7 @@ impl<P: Procedure> Run<P> {
         if let (Some(MeasureError::Stopped), Some(fault)) = (&self.error, &fault) {
             self.error = Some(fault.clone());
         }
-        let is_there = snapshot.link.state == LinkState::Connected || self.dialogue.state().bears_loss;
+        let is_there = snapshot.link.state == LinkState::Connected || self.dialogue.seeks().is_some();
         let trouble = if is_there { fault } else { Some(MeasureError::Lost) };
         if let Some(trouble) = trouble.filter(|_| self.stage == Stage::Running) {
             self.fail(trouble);
@@ -217,6 +239,12 @@ impl<P: Procedure> Run<P> {
         }
     }
 
+    /// What follows the disarming, or the end of a procedure that has armed nothing.
+    fn after_disarming(&self) -> Stage {
+        let is_settled = self.error.is_none() || self.dialogue.seeks().is_none();
+        if is_settled { Stage::Restoring } else { Stage::Settling }
+    }
+
     fn fail(&mut self, error: MeasureError) {
         self.error.get_or_insert(error);
         self.stage = Stage::Stopping;
@@ -226,7 +254,7 @@ impl<P: Procedure> Run<P> {
     /// The share that is done (0 to 1), when the device is at sample `now`.
     #[must_use]
     pub fn progress(&self, now: u64) -> f64 {
-        let is_over = matches!(self.stage, Stage::Disarming | Stage::Restoring | Stage::Ended);
+        let is_over = !matches!(self.stage, Stage::Running | Stage::Stopping);
         if is_over { 1.0 } else { self.dialogue.progress(now) }
     }
 

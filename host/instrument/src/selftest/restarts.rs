@@ -231,7 +231,6 @@ impl Course {
 
     /// Waits until the device answers at its port.
     async fn is_back(&self, port: &Port) -> bool {
-        let seeks = self.dialogue.seen(|snapshot| snapshot.link.auto_reconnect).unwrap_or_default();
         self.dialogue.ask(Request::AutoReconnect(true)).await;
         let mut is_back = false;
         for _ in 0..LOOKS {
@@ -244,7 +243,7 @@ impl Course {
                 break;
             }
         }
-        self.dialogue.ask(Request::AutoReconnect(seeks)).await;
+        self.dialogue.ask(Request::AutoReconnect(self.dialogue.seeks().unwrap_or_default())).await;
         is_back && self.dialogue.done(Request::Refresh).await.is_ok()
     }
 
@@ -255,7 +254,7 @@ impl Course {
     }
 
     fn port(&self) -> Result<Port, MeasureError> {
-        self.dialogue.seen(|snapshot| snapshot.link.port.clone()).flatten().ok_or(MeasureError::Lost)
+        self.dialogue.port().ok_or(MeasureError::Lost)
     }
 
     fn kept(&self) -> Result<Kept, MeasureError> {

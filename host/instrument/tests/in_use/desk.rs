@@ -132,7 +132,7 @@ impl Desk {
         Connection::new(line.clone(), Waker::new(|| {}), Box::new(nonces))
     }
 
-    fn connect(&mut self) {
+    pub(crate) fn connect(&mut self) {
         self.send(Request::Observe);
         self.send(Request::Connect(Port::Simulated));
         (0..200).for_each(|_| self.pass());
@@ -185,6 +185,16 @@ impl Desk {
         self.line.0.lock().unwrap().is_plugged = is_plugged;
     }
 
+    /// Presses reset if the device is in its ROM bootloader; returns whether it was.
+    pub(crate) fn press_reset(&self) -> bool {
+        let device = &mut self.line.0.lock().unwrap().device;
+        let is_there = device.is_in_bootloader();
+        if is_there {
+            device.restart(ResetCause::Pin);
+        }
+        is_there
+    }
+
     /// Blocks that were played with the amplifier on.
     pub(crate) fn unmuted(&self) -> u64 {
         self.line.0.lock().unwrap().unmuted
@@ -219,10 +229,9 @@ impl Desk {
             each(look, run);
             let holds = matches!(run.prompt(), Some(Prompt::PressButton | Prompt::HoldButton));
             if self.obeys && run.prompt().is_some() {
-                let device = &mut self.line.0.lock().unwrap().device;
-                device.press_button(holds);
-                if run.prompt() == Some(Prompt::PressReset) && device.is_in_bootloader() {
-                    device.restart(ResetCause::Pin);
+                self.line.0.lock().unwrap().device.press_button(holds);
+                if run.prompt() == Some(Prompt::PressReset) {
+                    self.press_reset();
                 }
             }
             self.pass();

@@ -10,6 +10,12 @@ use slipline_link::protocol::event::{ResetCause, State};
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_plate::truth::Random;
 
+/// A test took this time of the device, which is less than `most_s`.
+fn took(which: &str, time_s: f64, most_s: f64) {
+    println!("{which}: {time_s:.3} s of the device's time, {:.0} samples", time_s * 400e3);
+    assert!(time_s < most_s, "{which}: {time_s} s");
+}
+
 #[test]
 fn a_good_board_passes_in_full_with_both_wires_and_the_mute_pin_stays_low() {
     let mut desk = Desk::new(good(), None);
@@ -18,8 +24,7 @@ fn a_good_board_passes_in_full_with_both_wires_and_the_mute_pin_stays_low() {
     let report = desk.test(request).unwrap();
     expect(&report, &[], &[step::MUTE_TIME, step::FAULTS]);
     assert_eq!(desk.unmuted(), 0, "a step that does not ask has unmuted the amplifier");
-    let took_s = desk.time_s() - began;
-    assert!(took_s < 180.0, "{took_s}");
+    took("in full", desk.time_s() - began, 180.0);
     assert!(report.line().starts_with("SELFTEST PASS unit=73696d756c617465642d3030 build=slipline_"));
     assert!(report.line().ends_with(" skipped=mute_time,faults,amplifier,others"), "{}", report.line());
     assert!(report.simulated && report.board == "simulated" && report.codes_crc.is_some());
@@ -34,8 +39,7 @@ fn a_short_test_takes_three_seconds_and_gives_the_same_verdicts() {
     let began = desk.time_s();
     let report = desk.test(everything()).unwrap();
     expect(&report, &[], &[]);
-    let took_s = desk.time_s() - began;
-    assert!(took_s < 3.0, "{took_s}");
+    took("in short", desk.time_s() - began, 3.0);
     assert!(desk.is_muted() && desk.unmuted() > 0, "the mute pin is timed where it may be high");
 }
 
@@ -44,7 +48,7 @@ fn a_full_test_with_the_amplifier_unplugged_makes_the_device_fail_and_finds_it_a
     let mut desk = Desk::new(good(), None);
     let report = desk.test(in_full()).unwrap();
     expect(&report, &[], &[]);
-    assert!(desk.time_s() < 180.0, "{}", desk.time_s());
+    took("in full, with faults on purpose", desk.time_s(), 180.0);
     let readings = |name| report.steps.iter().find(|step| step.name == name).unwrap().readings.iter();
     let shown: Vec<String> =
         readings(step::FAULTS).map(|it| format!("{}: {}", it.quantity, it.shown())).collect();
@@ -121,37 +125,67 @@ fn a_standing_fault_is_refused_with_its_way_out_and_nothing_is_driven() {
     expect(&desk.test(everything()).unwrap(), &[], &[]);
 }
 
-/// The looks that a short test takes.
-fn looks() -> f64 {
-    let mut looks = 0;
+/// The look from which on a test closes the port and makes the device restart, and that at which it ends.
+fn looks(request: SelftestRequest) -> (f64, f64) {
+    let last_steps = step::ALL.iter().position(|&name| name == step::BUTTONS).unwrap() as f64;
+    let (mut restarts, mut end) = (None, 0);
+    let mut run = Run::of(Selftesting::new(request));
+    assert!(Desk::new(good(), None).run(&mut run, 100_000, |look, run| {
+        end = look;
+        if run.progress(0) * step::ALL.len() as f64 > last_steps + 0.5 {
+            restarts.get_or_insert(look);
+        }
+    }));
+    (restarts.unwrap() as f64, end as f64)
+}
+
+/// A test that is stopped at this look leaves a connected device, muted and disarmed, and a link that looks for a lost one as before.
+/// In its bootloader the device waits for a person.
+fn stop(request: SelftestRequest, at: usize) {
     let mut desk = Desk::new(good(), None);
-    assert!(desk.run(&mut Run::of(Selftesting::new(everything())), 100_000, |look, _| looks = look));
-    looks as f64
+    desk.send(Request::AutoReconnect(false));
+    let mut run = Run::of(Selftesting::new(request));
+    let cancel = |look, run: &mut Run<Selftesting>| {
+        if look == at {
+            run.cancel();
+        }
+    };
+    assert!(desk.run(&mut run, 100_000, cancel));
+    assert_eq!(run.finish(), Err(MeasureError::Cancelled), "{at}");
+    if desk.press_reset() {
+        assert!(!request.is_short && !desk.snapshot().is_connected(), "{at}");
+        desk.connect();
+    }
+    (0..500).for_each(|_| desk.pass());
+    let snapshot = desk.snapshot();
+    assert!(snapshot.is_connected() && !snapshot.link.auto_reconnect, "{at}: {:?}", snapshot.link.state);
+    let status = snapshot.drive.status.unwrap();
+    // A fault on purpose is latched, as any other.
+    let is_idle = status.state == State::Idle || !request.is_short && status.state == State::Fault;
+    assert!(desk.is_muted() && is_idle, "{at}: {status:?}");
 }
 
 #[test]
-fn a_stop_at_any_moment_leaves_the_board_muted_and_disarmed() {
-    let (mut random, looks) = (Random::new(4), looks());
-    for _ in 0..25 {
-        let mut desk = Desk::new(good(), None);
-        let stopped_at = random.within(0.0, looks) as usize;
-        let mut run = Run::of(Selftesting::new(everything()));
-        let cancel = |look, run: &mut Run<Selftesting>| {
-            if look == stopped_at {
-                run.cancel();
-            }
-        };
-        assert!(desk.run(&mut run, 100_000, cancel));
-        assert_eq!(run.finish(), Err(MeasureError::Cancelled), "{stopped_at}");
-        (0..500).for_each(|_| desk.pass());
-        let status = desk.snapshot().drive.status.unwrap();
-        assert!(desk.is_muted() && status.state == State::Idle, "{stopped_at}: {status:?}");
+fn a_stop_at_any_moment_leaves_the_board_connected_muted_and_disarmed() {
+    let (mut random, (reopens, end)) = (Random::new(4), looks(everything()));
+    for part in [(0.0, end), (reopens, end)] {
+        for _ in 0..13 {
+            stop(everything(), random.within(part.0, part.1) as usize);
+        }
+    }
+}
+
+#[test]
+fn a_stop_while_the_device_restarts_leaves_it_connected_muted_and_disarmed() {
+    let (mut random, (restarts, end)) = (Random::new(8), looks(in_full()));
+    for _ in 0..8 {
+        stop(in_full(), random.within(restarts, end) as usize);
     }
 }
 
 #[test]
 fn a_host_that_is_killed_at_any_moment_leaves_the_board_muted_and_the_next_hello_is_normal() {
-    let (mut random, looks) = (Random::new(5), looks());
+    let (mut random, (_, looks)) = (Random::new(5), looks(everything()));
     for _ in 0..25 {
         let mut desk = Desk::new(good(), None);
         let killed_at = random.within(1.0, looks) as usize;
@@ -172,7 +206,7 @@ fn a_host_that_is_killed_at_any_moment_leaves_the_board_muted_and_the_next_hello
 
 #[test]
 fn a_cable_that_is_pulled_at_any_moment_ends_the_test_and_the_board_is_muted() {
-    let (mut random, looks) = (Random::new(6), looks());
+    let (mut random, (_, looks)) = (Random::new(6), looks(everything()));
     for _ in 0..10 {
         let mut desk = Desk::new(good(), None);
         let pulled_at = random.within(1.0, looks) as usize;
