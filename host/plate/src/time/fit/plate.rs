@@ -18,11 +18,15 @@ const DELAY_PERIODS: f64 = 4.0;
 /// Least decay of a resonance of a clamped plate, over the decay rate by its material's or its actuator's loss.
 const LEAST_DECAY: f64 = 0.4;
 
+/// The end of the band in a baffle that can be fitted, over the frequency that turns at the plate's end.
+const BEFORE_THE_END: f64 = 0.95;
+
 /// Fits the field of `respond` with the actuator's resonance, and with a finger if there is one, over the band of the
 /// filter's `plan`.
 ///
 /// Between clamped edges the fit is approximate, from `exact_hz.0` to `exact_hz.1`, and delayed: see
-/// [`Fit::delay_s`].
+/// [`Fit::delay_s`]. In a baffle it is so, without a delay, where the whole band of the filter has no exact fit:
+/// `frequency/far_air.rs` computes the pressure at a distance by orders, which the resonances above the span do not bear.
 pub(crate) fn of_plate(
     plate: &Plate,
     finger: Option<&Finger>,
@@ -35,9 +39,25 @@ pub(crate) fn of_plate(
         None => (Accuracy::EXACT, 0.0),
         Some(_) => (Accuracy::of_strip(exact_hz, least_decay(plate)), DELAY_PERIODS / exact_hz.0),
     };
-    let field = late(response(plate, finger, places, top_hz), delay_s);
-    let fit = bank(field, plan, places, accuracy);
+    let fitted =
+        |accuracy| bank(late(response(plate, finger, places, top_hz), delay_s), plan, places, accuracy);
+    let fit = fitted(accuracy);
+    let fit = match far_air_ends_hz(plate) {
+        Some(end_hz) if fit.error > fit.most => {
+            fitted(Accuracy::within((exact_hz.0, exact_hz.1.min(end_hz))))
+        }
+        _ => fit,
+    };
     Fit { delay_s, ..fit }
+}
+
+/// The frequency up to which the pressure at a distance can be fitted, Hz, where there is one: of a membrane in a baffle. At the
+/// frequency that turns at the plate's end it is singular (`frequency/far_air.rs` divides by Q of the last point), which no
+/// resonance follows.
+pub(crate) fn far_air_ends_hz(plate: &Plate) -> Option<f64> {
+    let is_distant = plate.spec().air.is_some_and(|air| air.distant() != 0.0);
+    let is_along = plate.width_mode(1).air(plate.band_hz().1).is_some();
+    (is_distant && is_along).then(|| BEFORE_THE_END * plate.frequency_for_boundary_hz(plate.length_m()))
 }
 
 /// Least decay of a resonance of a clamped plate, over its frequency.

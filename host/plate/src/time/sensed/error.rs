@@ -4,7 +4,8 @@ use crate::quantity::OutOfRange;
 
 /// Largest error of an output over the exact band, relative to the response at the same frequency.
 pub(super) const ERROR_MAX: f64 = 5e-3;
-/// Largest error where the drive is a measured curve, whose points have noise.
+/// Largest error where the drive is a measured curve, whose points have noise, and in a baffle, where the pressure at a distance
+/// is known to a fifth.
 pub(super) const CURVE_ERROR_MAX: f64 = 3e-2;
 /// Largest error between clamped edges. No sum of decaying resonances follows the strip's law in the tail, and where
 /// the second even width mode begins to propagate at the driven end, the response near it has a jump.

@@ -44,9 +44,6 @@ const BEYOND: (f64, f64) = (0.8, 1.5);
 const HARMONICS: f64 = 3.1;
 /// The same with a finger: far above the band, its contact is not a sum of resonances.
 const BEYOND_TOUCHED: (f64, f64) = (1.0, 1.05);
-/// The end of the exact band in a baffle, over the frequency that turns at the plate's end: there the pressure at a distance is
-/// singular (`frequency/far_air.rs` divides by Q of the last point), which no resonance follows.
-const BEFORE_THE_END: f64 = 0.95;
 /// Number of frequencies at which the plate holds its drive.
 const HELD_FREQUENCIES: u32 = 24;
 /// Their weights over that of the band: the second is used where the first leaves too large an error in the band.
@@ -90,9 +87,9 @@ impl SensedPlate {
     ///
     /// From 0.8 of the lowest frequency of the plate's span to 1.5 of its highest one (with a finger that damps from the
     /// lowest to 1.05 of the highest; on a membrane in a baffle at most to 0.95 of the frequency that turns at the plate's end)
-    /// the response is that of the frequency domain, between clamped edges within one or two hundredths; above this band it
-    /// falls off. It includes a measured actuator and the correction of a calibration,
-    /// with the minimum phase of their gain; noise between their points is smoothed, see [`Output::error`].
+    /// the response is that of the frequency domain, between clamped edges within one or two hundredths, in a baffle within
+    /// three; above this band it falls off. It includes a measured actuator and the correction of a calibration, with the
+    /// minimum phase of their gain; noise between their points is smoothed, see [`Output::error`].
     ///
     /// # Errors
     /// Those of [`super::TimeDomainLine::touched`].
@@ -131,19 +128,16 @@ impl SensedPlate {
             (BEYOND.0, reach)
         };
         let (low_hz, high_hz) = plate.band_hz();
-        let end_hz = match &plate.spec().air {
-            Some(air) if air.distant() != 0.0 && plate.width_mode(1).air(high_hz).is_some() => {
-                BEFORE_THE_END * plate.frequency_for_boundary_hz(plate.length_m())
-            }
-            _ => f64::INFINITY,
-        };
+        let far_air_ends_hz = fit::far_air_ends_hz(plate);
+        let end_hz = far_air_ends_hz.unwrap_or(f64::INFINITY);
         let top_hz = (beyond.1 * high_hz).min(end_hz).min(TOP_TO_RATE * sample_rate_hz).max(high_hz);
         let plan = BandPlan::new(sample_rate_hz, beyond.0 * low_hz, top_hz);
         let stop_hz = plan.stop_hz();
         let exact_hz = (beyond.0 * low_hz, top_hz);
         let fit = fit::of_plate(plate, finger, &plan, PLACES, exact_hz);
-        // Between clamped edges only the resonances are taken from an approximate fit; each output has its own error.
-        if plate.width_mode(1).strip.is_none() {
+        // Between clamped edges, and in a baffle, only the resonances are taken from an approximate fit; each output has its own
+        // error.
+        if plate.width_mode(1).strip.is_none() && far_air_ends_hz.is_none() {
             check_fit(&fit)?;
         }
         let decay = |pole: &[Complex64]| -> Vec<Complex64> {
@@ -318,6 +312,7 @@ impl SensedPlate {
         let most = match (self.plate.width_mode(1).strip, DriveCurve::of(&self.plate)) {
             (Some(_), _) => CLAMPED_ERROR_MAX,
             (None, Some(_)) => CURVE_ERROR_MAX,
+            (None, None) if fit::far_air_ends_hz(&self.plate).is_some() => CURVE_ERROR_MAX,
             (None, None) => ERROR_MAX,
         };
         let error = output.error();

@@ -3,7 +3,7 @@ use crate::calibrate::seen;
 use crate::definition::presets::{preset, presets};
 use crate::frequency::equation::Equation;
 use crate::frequency::respond::respond;
-use crate::{Air, AirMounting, Faces, Gas, PlateSpec};
+use crate::{Air, AirMounting, Faces, Gas, Model, PlateSpec};
 
 const RATE_HZ: f64 = 400e3;
 /// Delay by the hold of the DAC.
@@ -208,11 +208,16 @@ fn what_cannot_be_sensed_is_refused_by_name_and_range() {
 fn a_sensor_on_a_membrane_in_air_answers_as_the_frequency_domain() {
     let mounting = AirMounting::Baffle { faces: Faces::Two };
     let baffle = Air::Around { gas: Gas::ROOM, mounting, gap_m: None };
-    for (name, air, places_m) in
-        [("membrane", Air::ROOM, [0.03, 0.18]), ("latex-membrane", baffle, [0.094, 0.198])]
-    {
+    // Latex of 0.2 kg/m^2, where the air's pressure at a distance counts most: above the span its field is no sum of resonances.
+    let light = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: Some(28.8), film: None };
+    for (name, model, air, places_m, most) in [
+        ("membrane", None, Air::ROOM, [0.03, 0.18], 1e-2),
+        ("latex-membrane", None, baffle, [0.094, 0.198], 1e-2),
+        ("latex-membrane", Some(light), baffle, [0.094, 0.198], 3e-2),
+    ] {
         let still = preset(name).expect("a preset");
-        let plate = Plate::new(PlateSpec { air: Some(air), ..still.spec().clone() }).expect("a plate");
+        let model = model.unwrap_or_else(|| still.spec().model.clone());
+        let plate = Plate::new(PlateSpec { air: Some(air), model, ..still.spec().clone() }).expect("a plate");
         let sensed = SensedPlate::new(&plate, None, RATE_HZ).expect("a plate in time");
         let (low_hz, high_hz) = plate.band_hz();
         let kind = SensorKind::Displacement;
@@ -223,7 +228,7 @@ fn a_sensor_on_a_membrane_in_air_answers_as_the_frequency_domain() {
                 let wanted = shown(&plate, &field(&plate, hz), kind, place_m, hz);
                 let found = sensed.steady(&output, hz) / Complex64::cis(TAU * hz * LAG_S);
                 let of = format!("{name} {place_m} {hz} Hz");
-                assert_close(&of, found, wanted, 1e-2 * plate.spec().full_scale_m);
+                assert_close(&of, found, wanted, most * plate.spec().full_scale_m);
             }
         }
     }
