@@ -72,7 +72,16 @@ impl Accuracy {
     /// For a field whose frequencies beyond the band's are no sum of decaying resonances, as those near the end of a light
     /// membrane in a baffle: fitted where it is needed.
     const fn within(counts_hz: (f64, f64)) -> Self {
-        Self { counts_hz, beyond: 0.01, fits: 3, spare: 1.1, poles: 1e-3, field: 1e-3, ..Self::EXACT }
+        Self {
+            counts_hz,
+            beyond: 0.01,
+            fits: 3,
+            spare: 1.1,
+            poles: 1e-3,
+            field: 1e-3,
+            most: 3e-2,
+            ..Self::EXACT
+        }
     }
 
     /// Weight of the error at a frequency.
