@@ -7,6 +7,8 @@ use slipline_plate::quantity::decibels;
 use slipline_plate::{Complex64, Plate};
 use std::sync::Arc;
 
+/// A point of fewer times its noise shows no level.
+const SEEN: f64 = 3.0;
 /// Two frequencies that differ by less than this share are one.
 const SAME: f64 = 1e-9;
 
@@ -69,8 +71,8 @@ pub struct SoFar<'a> {
 pub struct Levels {
     /// Of the model.
     pub model: Vec<[f64; 2]>,
-    /// Of the measured points. The median of their differences from the model is taken out, because a sensor that is not
-    /// calibrated does not measure the level; without a model they are under the highest of them.
+    /// Of the measured points. The median difference from the model of those above their noise is taken out, because a sensor that
+    /// is not calibrated does not measure the level; without one they are under the highest of them.
     pub measured: Vec<[f64; 2]>,
 }
 
@@ -85,12 +87,42 @@ impl SoFar<'_> {
             answers.filter_map(|(point, at)| Some([point.frequency_hz, level_db((*at)?, highest)])).collect();
         let measured: Vec<[f64; 2]> =
             self.measured.iter().map(|point| [point.frequency_hz, level_db(point.response, 1.0)]).collect();
-        let off_db = |[hertz, db]: &[f64; 2]| {
+        let off_db = |(point, [hertz, db]): (&MeasuredPoint, &[f64; 2])| {
+            if point.response.norm() < SEEN * point.noise {
+                return None;
+            }
             let [at_hz, model_db] = model.get(model.partition_point(|at| at[0] < hertz * (1.0 - SAME)))?;
             (*at_hz < hertz * (1.0 + SAME)).then(|| db - model_db)
         };
         let loudest_db = || measured.iter().map(|at| at[1]).fold(f64::MIN, f64::max);
-        let raised_db = median(measured.iter().filter_map(off_db).collect()).unwrap_or_else(loudest_db);
+        let off_db = self.measured.iter().zip(&measured).filter_map(off_db).collect();
+        let raised_db = median(off_db).unwrap_or_else(loudest_db);
         Levels { measured: measured.iter().map(|[hertz, db]| [*hertz, db - raised_db]).collect(), model }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_in_the_noise_do_not_move_the_others_off_the_models_curve() {
+        let point = |(i, response): (usize, f64)| MeasuredPoint {
+            frequency_hz: 100.0 + i as f64,
+            response: response.into(),
+            noise: 1.0,
+            headroom_db: None,
+        };
+        // Rises by 20 dB from point to point; the sensor's gain is 1000, and seven of ten points are noise.
+        let model: Vec<f64> = (-9..=0).map(|i| 10.0_f64.powi(i)).collect();
+        let planned: Vec<_> = model.iter().copied().enumerate().map(point).collect();
+        let predicted: Vec<_> = model.iter().map(|at| Some(Complex64::from(*at))).collect();
+        let responses = model.iter().map(|at| (1e3 * at).max(0.5));
+        let measured: Vec<_> = responses.enumerate().map(point).collect();
+        let so_far = SoFar { planned: &planned, predicted: &predicted, measured: &measured };
+        let levels = so_far.levels_db();
+        for (model, measured) in levels.model.iter().zip(&levels.measured).skip(7) {
+            assert!((model[1] - measured[1]).abs() < 1e-9, "{model:?} {measured:?}");
+        }
     }
 }
