@@ -49,7 +49,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         }
         WizardPage::FirstAnswer => answer(ui, scene, view, calibration, 0, intents),
         WizardPage::SecondPlace | WizardPage::Check => {
-            let sensor = if step == WizardPage::Check { 2 } else { 1 };
+            let Some(sensor) = step.sensor() else { return };
             place(ui, calibration, sensor);
             signal::show(ui, scene, intents);
             ui.add_space(6.0);
