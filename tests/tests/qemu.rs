@@ -61,14 +61,15 @@ fn sixteen_gliding_tones_match_the_mirror_bit_for_bit() {
     let mut emulator = Emulator::start(Line::Socket);
     let (mut host, mut mirror) = armed(&emulator);
     let start = drive_ahead(&mut host, &mut mirror, sixteen(0.0));
-    host.live_until(start);
-    // The drag: every tone moves at once, and the DAC is watched meanwhile.
+    // At the index itself the first drive may still be pending, and a second one would be refused.
+    host.live_until(start + BLOCK as u64);
+    // The drag: every tone moves at once, and the DAC is watched meanwhile: 64 ms before it and as much after it.
     let drag = drive_ahead(&mut host, &mut mirror, sixteen(0.9));
-    host.live_until(drag - 20 * MILLISECOND);
+    host.live_until(drag - 64 * MILLISECOND);
     emulator.ask(200);
-    let shown = emulator.shown(200);
-    host.live_until(drag);
-    let end = shown.last().expect("200 blocks").0 + BLOCK as u64;
+    emulator.ask(200);
+    let shown = emulator.shown(400);
+    let end = shown.last().expect("400 blocks").0 + BLOCK as u64;
     assert!(
         shown[0].0 < drag && end > drag + 40 * MILLISECOND,
         "the glide was watched: {} {drag} {end}",
