@@ -134,17 +134,23 @@ fn open(app: &mut TestApp, page: &str) {
     if tabs.contains(&page) || (page == "Plots" && !app.has("Plots")) {
         return;
     }
-    app.click_button(page, 100);
+    if !app.has("Drawing area") {
+        app.click_button(page, 100);
+    }
     if page == "Brush" {
         crate::brush::stroke(app, &[(0.06, 0.1), (0.3, 0.1), (0.55, 0.3), (0.8, 0.02)]);
     }
 }
 
 /// Shows the app at every size, on every page that `pages` opens; returns what is wrong.
-fn check(mut start: impl FnMut() -> TestApp, pages: &[&str]) -> Vec<String> {
+fn check(start: impl Fn() -> TestApp, pages: &[&str]) -> Vec<String> {
     let mut found = Vec::new();
+    let mut app = start();
     for (size, density) in SIZES {
-        let mut app = start();
+        if density != 1.0 {
+            // A density that changes while the window is open leaves another zoom.
+            app = start();
+        }
         app.window.set_pixels_per_point(density);
         // A low window is zoomed, as a system's window of this size is.
         for _ in 0..4 {
@@ -153,7 +159,7 @@ fn check(mut start: impl FnMut() -> TestApp, pages: &[&str]) -> Vec<String> {
         }
         for page in pages {
             open(&mut app, page);
-            app.wait(300);
+            app.wait(200);
             found.extend(wrong(&app).into_iter().map(|what| format!("{size:?} x {density}, {page}: {what}")));
         }
     }
@@ -221,7 +227,9 @@ fn no_text_is_cut_or_lies_over_another_where_lights_fail_and_a_drawing_is_made()
         crate::light_marks::open(&mut app, "al-bending-displacement", 0.15);
         app
     };
-    assert_none(&check(failing, &["Boundary", "Texture", "Validity", "Plots", "Brush"]));
+    assert_none(&check(failing, &["Boundary", "Texture", "Validity", "Plots"]));
+    // A stroke changes the tones: apart from the others.
+    assert_none(&check(failing, &["Brush"]));
 }
 
 #[test]
