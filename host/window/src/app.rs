@@ -154,7 +154,7 @@ impl App {
             view: ViewState::default(),
             screenshots: channel(),
         };
-        app.instrument.drive.perform(DeviceIntent::AutoReconnect(app.settings.auto_reconnect));
+        app.instrument.perform(DeviceIntent::AutoReconnect(app.settings.auto_reconnect));
         if first_setup().is_some_and(|first| first.plate == app.setup().plate) {
             app.rest_finger();
         }

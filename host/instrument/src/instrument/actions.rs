@@ -2,7 +2,7 @@
 
 use super::shell::{Output, Page};
 use super::shown::Awaited;
-use super::{CalibrateIntent, Instrument, MeasureIntent};
+use super::{CalibrateIntent, DeviceIntent, Instrument, MeasureIntent};
 use crate::hold::HoldEnd;
 use crate::recording::Recording;
 use slipline_link::protocol::event::State;
@@ -28,7 +28,16 @@ impl Instrument {
         self.lab.end_hold(HoldEnd::LinkLost, &mut self.out);
         // The connection is tried again, so the message about the earlier failure is obsolete.
         self.out.connected();
+        self.lab.leave_port();
         self.drive.connect(port);
+    }
+
+    /// Carries out a request of the user to the device.
+    pub fn perform(&mut self, intent: DeviceIntent) {
+        if intent == DeviceIntent::Disconnect {
+            self.lab.leave_port();
+        }
+        self.drive.perform(intent);
     }
 
     /// Handles a press of Drive: the tones are sent now, or as soon as the device is ready for them.

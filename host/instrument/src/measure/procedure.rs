@@ -91,6 +91,8 @@ pub struct Run<P: Procedure> {
     begun: Option<Ticket>,
     heard: Option<Evaluation<P::Found>>,
     error: Option<MeasureError>,
+    /// Whether the port is no longer the procedure's: it is not opened again.
+    is_port_left: bool,
 }
 
 impl<P: Procedure> Run<P> {
@@ -107,6 +109,7 @@ impl<P: Procedure> Run<P> {
             begun: None,
             heard: None,
             error: None,
+            is_port_left: false,
         }
     }
 
@@ -199,6 +202,7 @@ impl<P: Procedure> Run<P> {
             Stage::Running => self.dialogue.state().outcome = Some(outcome.clone()),
             Stage::Stopping => self.stage = Stage::Disarming,
             Stage::Disarming => self.stage = self.after_disarming(),
+            Stage::Settling if self.is_port_left => self.stage = Stage::Restoring,
             Stage::Settling => self.stage = Stage::Reopening(OPENINGS),
             Stage::Reopening(_) | Stage::Awaiting(_) if is_done => self.stage = Stage::Restoring,
             Stage::Reopening(openings) => self.stage = Stage::Awaiting(openings - 1),
@@ -237,6 +241,16 @@ impl<P: Procedure> Run<P> {
         if self.stage == Stage::Running {
             self.fail(MeasureError::Cancelled);
         }
+    }
+
+    /// The user ends the connection or opens another: the procedure ends, and leaves the port as the user wants it.
+    pub fn leave_port(&mut self) {
+        self.cancel();
+        self.is_port_left = true;
+        if matches!(self.stage, Stage::Reopening(_) | Stage::Awaiting(_)) {
+            self.stage = Stage::Restoring;
+        }
+        self.dialogue.give_up();
     }
 
     /// What follows the disarming, or the end of a procedure that has armed nothing.

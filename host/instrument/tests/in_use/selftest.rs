@@ -2,10 +2,10 @@
 
 use crate::desk::{Desk, everything, expect, good, in_full, named};
 use crate::session::Session;
-use slipline_instrument::MeasureIntent;
+use slipline_instrument::{DeviceIntent, MeasureIntent};
 use slipline_instrument::measure::{MeasureError, Run};
 use slipline_instrument::selftest::{LIMITS, SelftestRequest, Selftesting, Verdict, Wire, is_step, step};
-use slipline_link::Request;
+use slipline_link::{LinkState, Request};
 use slipline_link::protocol::event::{ResetCause, State};
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_plate::truth::Random;
@@ -184,6 +184,26 @@ fn a_stop_while_the_device_restarts_leaves_it_connected_muted_and_disarmed() {
 }
 
 #[test]
+fn a_user_who_disconnects_while_the_device_restarts_stays_disconnected() {
+    let (mut random, (restarts, end)) = (Random::new(12), looks(in_full()));
+    for _ in 0..8 {
+        let left_at = random.within(restarts, end) as usize;
+        let mut desk = Desk::new(good(), None);
+        desk.send(Request::AutoReconnect(false));
+        let mut run = Run::of(Selftesting::new(in_full()));
+        assert!(!desk.run(&mut run, left_at, |_, _| ()));
+        run.leave_port();
+        desk.send(Request::Disconnect);
+        assert!(desk.run(&mut run, 100_000, |_, _| ()));
+        assert_eq!(run.finish(), Err(MeasureError::Cancelled), "{left_at}");
+        (0..1200).for_each(|_| desk.pass());
+        let link = desk.snapshot().link;
+        assert_eq!((link.state, link.auto_reconnect), (LinkState::Disconnected, false), "{left_at}");
+        assert!(desk.is_muted(), "{left_at}");
+    }
+}
+
+#[test]
 fn a_host_that_is_killed_at_any_moment_leaves_the_board_muted_and_the_next_hello_is_normal() {
     let (mut random, (_, looks)) = (Random::new(5), looks(everything()));
     for _ in 0..25 {
@@ -271,6 +291,23 @@ fn the_instrument_tests_the_board_at_the_users_request_and_gives_its_table_back(
     session.pass(500);
     assert_eq!(session.instrument.drive.snapshot().drive.status.unwrap().state, State::Idle);
     assert_eq!(table(&session), before);
+}
+
+#[test]
+fn the_instrument_leaves_the_port_closed_that_the_user_closes_during_a_self_test() {
+    let mut session = Session::driving();
+    session.instrument.perform_measure(MeasureIntent::SelftestDraft(SelftestRequest::default()));
+    session.instrument.perform_measure(MeasureIntent::Selftest);
+    let is_open = |session: &Session| session.instrument.drive.snapshot().is_connected();
+    session.pass(100);
+    while session.is_measuring() && is_open(&session) {
+        session.pass(1);
+    }
+    assert!(session.is_measuring(), "the test closes the port");
+    session.instrument.perform(DeviceIntent::Disconnect);
+    session.end_of_measuring();
+    session.pass(3000);
+    assert_eq!(session.instrument.drive.snapshot().link.state, LinkState::Disconnected);
 }
 
 #[test]

@@ -141,7 +141,7 @@ impl Session {
     ) -> Self {
         let worker = Rc::new(RefCell::new(SteppedWorker::new(true, inputs)));
         let mut instrument = Instrument::new(link(Rc::clone(&worker)), jobs, bench, setup);
-        instrument.drive.perform(DeviceIntent::AutoReconnect(true));
+        instrument.perform(DeviceIntent::AutoReconnect(true));
         instrument.connect(Port::Simulated);
         let attention = Attention { is_animated: true, is_measurements_open: true, ..Attention::default() };
         Self { instrument, worker, attention, saved: Vec::new() }

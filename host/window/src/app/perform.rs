@@ -46,7 +46,7 @@ impl App {
                     if let DeviceIntent::AutoReconnect(looks) = asked {
                         self.settings.auto_reconnect = looks;
                     }
-                    self.instrument.drive.perform(asked);
+                    self.instrument.perform(asked);
                 }
                 Intent::Connect(port) => self.connect(port),
                 Intent::Start if self.view.is_stopped => {}
@@ -237,7 +237,7 @@ impl App {
                 self.settings.arms_without_profile(unit);
             }
         }
-        self.instrument.drive.perform(asked);
+        self.instrument.perform(asked);
     }
 
     /// The plate that was designed from the present draft.

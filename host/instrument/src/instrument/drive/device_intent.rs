@@ -39,7 +39,7 @@ pub enum DeviceIntent {
 
 impl Drive {
     /// Carries out a request of the user to the device.
-    pub fn perform(&mut self, intent: DeviceIntent) {
+    pub(crate) fn perform(&mut self, intent: DeviceIntent) {
         if matches!(intent, DeviceIntent::Store | DeviceIntent::Forget | DeviceIntent::RaiseBrownOutLevel) {
             self.disarm_to_write();
         }

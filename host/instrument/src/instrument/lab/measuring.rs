@@ -328,6 +328,12 @@ impl Lab {
         self.harmonics.under_way.cancel();
     }
 
+    /// The user ends the connection or opens another: a self-test, which closes the port and waits for a board that restarts, would
+    /// open the port again.
+    pub(crate) fn leave_port(&mut self) {
+        self.board_test.under_way.leave_port();
+    }
+
     /// Begins what waits for the rig, continues the measurement under way, and reports its end.
     pub(super) fn update_measuring(&mut self, reach: &mut Reach<'_>) {
         if let Err(reason) = self.rig.take(self.hold.holding.is_on()) {

@@ -49,6 +49,13 @@ impl<P: Procedure> UnderWay<P> {
         }
     }
 
+    /// Ends it, and leaves the port as the user wants it.
+    pub(super) fn leave_port(&mut self) {
+        if let Some((run, _)) = &mut self.0 {
+            run.leave_port();
+        }
+    }
+
     /// What runs.
     pub(super) fn run(&self) -> Option<&Run<P>> {
         self.0.as_ref().map(|(run, _)| run)
