@@ -40,6 +40,14 @@ fn one_key_shows_the_plate_before_a_calibration_and_after_it_while_the_line_stay
         assert!(shown.measure.live.is_secret_measured, "the hidden plate stays the one that was measured");
         assert!(!shown.measure.shelf.entries().is_empty(), "{wanted:?}: its measurements stay");
     }
+    // While it is measured it is not exchanged.
+    session.instrument.perform_measure(MeasureIntent::Begin(None));
+    session.until("it measures", Session::is_measuring);
+    show_other(&mut session);
+    assert_eq!(side(&session), Some(CalibrationSide::After));
+    assert!(session.is_measuring() && session.notice().contains("is being measured"), "{}", session.notice());
+    session.instrument.press_stop();
+    session.end_of_measuring();
     // A step of undo, as any other change of the plate.
     session.instrument.undo();
     session.pass(500);
@@ -48,15 +56,4 @@ fn one_key_shows_the_plate_before_a_calibration_and_after_it_while_the_line_stay
     session.change_plate(slipline_plate::preset("al-bending").unwrap());
     session.pass(500);
     assert_eq!(side(&session), None);
-}
-
-#[test]
-fn a_plate_is_not_exchanged_while_it_is_measured() {
-    let mut session = Session::felt_at_bench();
-    session.calibrate_by_measuring();
-    session.instrument.perform_measure(MeasureIntent::Begin(None));
-    session.until("it measures", Session::is_measuring);
-    show_other(&mut session);
-    assert_eq!(side(&session), Some(CalibrationSide::After));
-    assert!(session.is_measuring() && session.notice().contains("is being measured"), "{}", session.notice());
 }

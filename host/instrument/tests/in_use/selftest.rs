@@ -2,12 +2,12 @@
 
 use crate::desk::{Desk, everything, expect, good, in_full, named};
 use crate::session::Session;
-use slipline_instrument::{DeviceIntent, MeasureIntent};
 use slipline_instrument::measure::{MeasureError, Run};
 use slipline_instrument::selftest::{LIMITS, SelftestRequest, Selftesting, Verdict, Wire, is_step, step};
-use slipline_link::{LinkState, Request};
+use slipline_instrument::{DeviceIntent, MeasureIntent};
 use slipline_link::protocol::event::{ResetCause, State};
 use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::{LinkState, Request};
 use slipline_plate::truth::Random;
 
 /// A test took this time of the device, which is less than `most_s`.
@@ -186,7 +186,7 @@ fn a_stop_while_the_device_restarts_leaves_it_connected_muted_and_disarmed() {
 #[test]
 fn a_user_who_disconnects_while_the_device_restarts_stays_disconnected() {
     let (mut random, (restarts, end)) = (Random::new(12), looks(in_full()));
-    for _ in 0..8 {
+    for _ in 0..3 {
         let left_at = random.within(restarts, end) as usize;
         let mut desk = Desk::new(good(), None);
         desk.send(Request::AutoReconnect(false));
