@@ -28,6 +28,12 @@ const SLEEPS: &[(&str, &[Sleep])] = &[
             "no wait: it stands for a computation that is longer than the link waits for a sign of life",
         )],
     ),
+    (
+        "host/tests/cli/brown_out.rs",
+        &[Because(
+            "the device's own time, which runs on however slow the computer is: a hello would end the wait for its host",
+        )],
+    ),
     ("host/tests/cli/files.rs", &[Polls]),
     ("host/tests/cli/following.rs", &[Polls]),
     ("host/tests/cli/held_up.rs", &[Polls]),

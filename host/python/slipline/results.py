@@ -771,6 +771,8 @@ class Selftest(Result):
     """CRC-32 over the digests of the compared codes, eight hexadecimal digits; None where none were compared."""
     firmware: str
     """Version of the firmware."""
+    image_sha256: str | None
+    """SHA-256 of the image of this build, 64 hexadecimal digits; None where the program does not hold it."""
     passed: bool
     """Whether no step is red."""
     short: bool

@@ -1,4 +1,4 @@
-//! `slipline board`: what is set once per board, by the board itself.
+//! `slipline board`: what is set once per board, by the board itself, and its latched faults.
 
 use super::device::Device;
 use super::failure::Failure;
@@ -23,6 +23,15 @@ pub struct BoardArguments {
 enum Setting {
     /// Show the level of the board's brown-out reset; with --set, write the one that the board needs.
     BrownOut(BrownOutArguments),
+    /// Clear the latched faults whose causes are gone. Arms nothing.
+    ClearFaults(ClearFaultsArguments),
+}
+
+/// `board clear-faults`.
+#[derive(Debug, Args)]
+struct ClearFaultsArguments {
+    #[command(flatten)]
+    port: PortArgument,
 }
 
 /// `board brown-out`.
@@ -40,7 +49,21 @@ struct BrownOutArguments {
 }
 
 pub(super) fn run(arguments: &BoardArguments, as_json: bool) -> Result<(), Failure> {
-    let Setting::BrownOut(arguments) = &arguments.setting;
+    match &arguments.setting {
+        Setting::BrownOut(arguments) => brown_out(arguments, as_json),
+        Setting::ClearFaults(arguments) => clear_faults(arguments, as_json),
+    }
+}
+
+fn clear_faults(arguments: &ClearFaultsArguments, as_json: bool) -> Result<(), Failure> {
+    let port = arguments.port.port()?;
+    let device = Device::observe(&port, arguments.port.rig(None)?.as_ref())?;
+    device.clear_faults()?;
+    let value = json!({ "port": port.to_string() });
+    output::print(as_json, &value, |out| writeln!(out, "The device has no latched fault."))
+}
+
+fn brown_out(arguments: &BrownOutArguments, as_json: bool) -> Result<(), Failure> {
     let port = arguments.port.port()?;
     let device = Device::observe(&port, arguments.port.rig(None)?.as_ref())?;
     device.identity()?;

@@ -79,7 +79,7 @@ pub enum Command {
     Watch(watch::WatchArguments),
     /// Show or write the profile of a board's actuator: the limits that the device itself keeps, for every program.
     Profile(profile::ProfileArguments),
-    /// Show or set what is set once per board: the level of its brown-out reset.
+    /// Show or set the level of a board's brown-out reset, once per board; clear its latched faults.
     Board(board::BoardArguments),
     /// Put a table on a device and drive it.
     Drive(drive::DriveArguments),

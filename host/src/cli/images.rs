@@ -14,6 +14,26 @@ include!(concat!(env!("OUT_DIR"), "/image_files.rs"));
 #[cfg(not(feature = "images"))]
 const BUILT_IN: &[(&str, &[u8])] = &[];
 
+/// SHA-256 of the image of a board's firmware, if the program holds the image of this build.
+pub(super) fn sha256_of(board: &str, build: &str) -> Option<String> {
+    sha256_in(BUILT_IN, board, build)
+}
+
+/// The same in these files: that of the file that a board is flashed with, which names its board and its build.
+fn sha256_in(files: &[(&str, &[u8])], board: &str, build: &str) -> Option<String> {
+    let names =
+        |bytes: &[u8], text: &str| bytes.windows(text.len().max(1)).any(|part| part == text.as_bytes());
+    let of_build = |(name, bytes): &&(&str, &[u8])| {
+        let is_flashed = (name.ends_with(".bin") || name.ends_with(".dfu")) && !name.contains("factory-new");
+        is_flashed && names(bytes, board) && names(bytes, build)
+    };
+    let (name, _) = files.iter().find(of_build)?;
+    let (_, sums) = files.iter().find(|(name, _)| *name == "SHA256SUMS")?;
+    let line = |line: &&str| line.split_whitespace().nth(1) == Some(name);
+    let sum = std::str::from_utf8(sums).ok()?.lines().find(line)?.split_whitespace().next()?;
+    Some(sum.to_owned())
+}
+
 /// `images`.
 #[derive(Debug, Args)]
 pub struct ImagesArguments {
@@ -47,4 +67,23 @@ pub(super) fn run(arguments: &ImagesArguments, as_json: bool) -> Result<(), Fail
         None if names.is_empty() => writeln!(out, "There are no images in this program: releases have them."),
         None => names.iter().try_for_each(|name| writeln!(out, "{name}")),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sum_of_an_image_is_that_of_its_board_and_build() {
+        let files: [(&str, &[u8]); 4] = [
+            ("SHA256SUMS", b"11  slipline-a.bin\n22  slipline-b.dfu\n33  slipline-b-factory-new.bin\n"),
+            ("slipline-a.bin", b"..board A..v0.1.0.."),
+            ("slipline-b-factory-new.bin", b"..board B..v0.1.0.."),
+            ("slipline-b.dfu", b"..board B..v0.1.0.."),
+        ];
+        assert_eq!(sha256_in(&files, "board B", "v0.1.0").as_deref(), Some("22"));
+        assert_eq!(sha256_in(&files, "board B", "v0.2.0"), None);
+        assert_eq!(sha256_in(&files, "board C", "v0.1.0"), None);
+        assert_eq!(sha256_of("board A", "v0.1.0"), None, "this program holds no images");
+    }
 }

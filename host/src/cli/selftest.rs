@@ -9,7 +9,7 @@ use super::failure::Failure;
 use super::rig::PortArgument;
 use super::schema::finished;
 use super::source::text_of;
-use super::{output, progress};
+use super::{images, output, progress};
 use clap::Args;
 use serde_json::{Value, json};
 use slipline_instrument::selftest::{SelftestReport, SelftestRequest, StepResult, Verdict, Wire};
@@ -49,7 +49,7 @@ pub struct SelftestArguments {
     #[command(flatten)]
     force: ForceArgument,
     /// Judge this report by the limits of this program; no device is tested.
-    #[arg(long, value_name = "REPORT.json", conflicts_with_all = ["port", "actual_plate", "wire", "amplifier_unplugged", "amplifier", "short", "ask", "out"])]
+    #[arg(long, value_name = "REPORT.json", conflicts_with_all = ["port", "actual_plate", "actual_amplifier", "actual_coil", "actual_linear_share", "despite_brown_out_level", "despite_no_profile", "wire", "amplifier_unplugged", "amplifier", "short", "ask", "out", "force"])]
     judge: Option<PathBuf>,
 }
 
@@ -123,7 +123,7 @@ fn test(arguments: &SelftestArguments) -> Result<Answer, Failure> {
         device.may_be_armed(&arguments.arming)?;
     }
     let mut asked = None;
-    let report = progress::reported("self-test", |progress| {
+    let mut report = progress::reported("self-test", |progress| {
         device.selftest(request.with_wires(&arguments.wire), |share, prompt| {
             if let Some(prompt) = prompt.filter(|prompt| asked != Some(*prompt)) {
                 output::note(prompt.sentence());
@@ -132,6 +132,8 @@ fn test(arguments: &SelftestArguments) -> Result<Answer, Failure> {
             progress(share);
         })
     })?;
+    report.image_sha256 =
+        if report.simulated { None } else { images::sha256_of(&report.board, &report.build) };
     let files = Destination::names(&out);
     let answer = Answer { report, date: utc::text(SystemTime::now()), port: Some(port), files };
     if let Some(out) = &out {

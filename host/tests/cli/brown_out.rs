@@ -1,9 +1,10 @@
-//! `slipline board brown-out`: shown, asked about, and written with a hand on the board.
+//! `slipline board`: the brown-out level, shown, asked about, and written with a hand on the board; latched faults cleared.
 
 use super::served::Served;
-use super::{failure, json, refused, slipline};
+use super::{failure, json, piped, refused, slipline};
 use slipline_link::protocol::board::Analogue;
 use slipline_link::simulator::Options;
+use std::io::{BufRead as _, BufReader};
 
 fn delivered(name: &str) -> Served {
     Served::new(name, Options { brown_out_guarded: false, ..Options::default() })
@@ -47,4 +48,24 @@ fn a_supply_that_is_too_low_is_named_with_its_range() {
     served.device.lock().unwrap().press_button(true);
     let message = failure(&["board", "brown-out", "--set", "--power-is-safe", "--port", &served.port], 1);
     assert!(message.contains("reference voltage VREF+ (mV) is 2850; allowed are 2900 to 65535"), "{message}");
+}
+
+#[test]
+fn latched_faults_are_cleared_by_one_command_that_arms_nothing() {
+    let served = Served::new("clear-faults.sock", Options::default());
+    let drive =
+        ["drive", "--plate", "membrane", "--turning-point", "120mm", "--for", "60s", "--port", &served.port];
+    let mut drive = piped(drive);
+    let told = BufReader::new(drive.stdout.take().unwrap()).lines().map(Result::unwrap);
+    assert!(told.into_iter().any(|line| line.starts_with("Driving for")));
+    // The program dies, and the device stops by itself: its time passes while nobody says hello.
+    drive.kill().unwrap();
+    drive.wait().unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    let clear = ["board", "clear-faults", "--port", &served.port];
+    let message = failure(&["selftest", "--short", "--port", &served.port], 1);
+    assert!(message.contains("`slipline board clear-faults`"), "{message}");
+    assert_eq!(json(&clear)["port"], served.port.as_str());
+    let text = String::from_utf8(slipline(&clear).stdout).unwrap();
+    assert_eq!(text, "The device has no latched fault.\n");
 }

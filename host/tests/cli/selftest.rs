@@ -113,6 +113,28 @@ fn a_broken_report_is_refused_with_its_field() {
             "unit: must be a text of up to 1000 letters without control characters",
         ),
         ("/steps/1/readings", json!([]), "steps[1].readings has no number by which the step is green"),
+        ("/unit", json!(""), "unit: must be a text that is not empty"),
+        ("/unit", json!("7\u{202e}8"), "unit: must be a text of up to 1000 letters"),
+        ("/image_sha256", json!("12"), "image_sha256: must be 64 hexadecimal digits or null"),
+        // Parts that no test can give together.
+        (
+            "/wires",
+            json!(["dac=sensor", "dac=sensor"]),
+            "wires[1]: must be another wire than those before it",
+        ),
+        (
+            "/wires",
+            json!(["dac=sensor"]),
+            "wires: must be a list with trigger=trigger-in, by which the step trigger",
+        ),
+        ("/codes_crc", Value::Null, "codes_crc: must be eight hexadecimal digits where codes were compared"),
+        ("/codes_crc", json!("12345"), "codes_crc: must be eight hexadecimal digits"),
+        ("/steps/15/verdict", json!("red"), "steps[15].verdict: must be skipped in a short test"),
+        (
+            "/short",
+            json!(false),
+            "steps[0].readings has \"rate error in a short time\": must be \"rate error\" in this test",
+        ),
     ] {
         let mut broken = good.clone();
         *broken.pointer_mut(place).unwrap() = value;
@@ -122,6 +144,19 @@ fn a_broken_report_is_refused_with_its_field() {
     let mut broken = good.clone();
     broken["steps"][1]["readings"].as_array_mut().unwrap().remove(0);
     refuses(&broken.to_string(), &["steps[1].readings has no \"VREF+\", by which the step is green"]);
+    for (at, quantity) in [
+        (2, "resistor missing"),
+        (2, "pin high while muted"),
+        (1, "brown-out level unset"),
+        (10, "reopenings without answer"),
+    ] {
+        let mut broken = good.clone();
+        broken["steps"][at]["readings"]
+            .as_array_mut()
+            .unwrap()
+            .retain(|reading| reading["quantity"] != quantity);
+        refuses(&broken.to_string(), &[&format!("steps[{at}].readings has no {quantity:?}, by which")]);
+    }
     let mut broken = good;
     broken.as_object_mut().unwrap().remove("board");
     refuses(&broken.to_string(), &["board is missing"]);
@@ -130,7 +165,13 @@ fn a_broken_report_is_refused_with_its_field() {
 #[test]
 fn bad_usage_of_a_selftest_names_what_is_allowed() {
     refused(&["selftest", "--wire", "dac=shunt"], 2, &["dac=shunt", "dac=sensor or trigger=trigger-in"]);
-    refused(&["selftest", "--judge", "report.json", "--ask"], 2, &["--judge", "--ask"]);
+    for option in ["--ask", "--force", "--despite-brown-out-level", "--actual-amplifier=10kHz"] {
+        refused(
+            &["selftest", "--judge", "report.json", option],
+            2,
+            &["--judge", option.split('=').next().unwrap()],
+        );
+    }
     refused(&["selftest", "--actual-plate", "membrane"], 2, &["--actual-plate"]);
     refused(&["selftest", "--port", "/dev/ttyNone"], 1, &["/dev/ttyNone"]);
     refused(&["selftest", "--judge", "no-report.json"], 2, &["no-report.json"]);

@@ -56,7 +56,7 @@ pub enum MeasureError {
     Fault(String),
     /// The device had stopped before the procedure began; the text names its faults.
     #[error(
-        "the device has stopped: {0}; clear that fault first: *Clear fault* in the window, `slipline drive --clear-faults`, or `device.clear_faults()` in Python"
+        "the device has stopped: {0}; clear that fault first: *Clear fault* in the window, `slipline board clear-faults`, or `device.clear_faults()` in Python"
     )]
     StandingFault(String),
     /// Another drive was played meanwhile.

@@ -5,6 +5,7 @@ use super::course::{Course, reading};
 use super::limits::{SHOWN_DB, step};
 use super::noise::line_powers;
 use super::report::StepResult;
+use super::verdict::Verdict;
 use crate::measure::MeasureError;
 use slipline_link::protocol::board::PinLevel;
 
@@ -34,11 +35,18 @@ struct Received {
 impl Course {
     /// The steps with an amplifier: those that drive no more than it bears.
     pub(super) async fn with_amplifier(&self) -> Result<Vec<StepResult>, MeasureError> {
+        if self.inputs.inputs == 0 {
+            return Err(MeasureError::NoInputs);
+        }
         let (since, link_before) = (self.moment().await?, self.link_record());
         self.board_or_none().await?;
         let supply = self.supply();
         let mut levels: Vec<PinLevel> = vec![self.mute_level_or_none().await?];
         let amplifier = self.step(step::AMPLIFIER, self.amplifier(&mut levels)).await?;
+        if amplifier.verdict == Verdict::Skipped {
+            // The user requested this step alone.
+            return Err(MeasureError::TooOld);
+        }
         self.dialogue.disarm().await?;
         self.idle().await?;
         self.dialogue.past(self.dialogue.now() + self.samples(MUTED_S)).await?;
@@ -58,9 +66,6 @@ impl Course {
     /// Plays quiet tones with the amplifier muted and then on.
     async fn amplifier(&self, levels: &mut Vec<PinLevel>) -> Result<StepResult, MeasureError> {
         let name = step::AMPLIFIER;
-        if self.inputs.inputs == 0 {
-            return Ok(StepResult::skipped(name, "The device has no inputs."));
-        }
         self.begin().await?;
         let muted = self.received().await?;
         levels.push(self.mute_level().await?);

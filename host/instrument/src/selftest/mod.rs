@@ -11,10 +11,11 @@
 //!   `drives.rs`: load, codes, trigger; `person.rs`: button, stop input, flash; `restarts.rs`: bootloader, faults on purpose;
 //!   `amplifier.rs`: the amplifier, by a test of its own
 //! - `quantities.rs`: every number with its unit; `limits.rs`: every limit, and what to look at beyond it; `report.rs`,
-//!   `verdict.rs`: the results
+//!   `verdict.rs`: the results; `consistent.rs`: whether the parts of a report agree
 
 mod amplifier;
 mod at_rest;
+mod consistent;
 mod course;
 mod drives;
 mod limits;

@@ -243,6 +243,7 @@ fn report(snapshot: &Snapshot, request: SelftestRequest) -> Option<SelftestRepor
         wires: request.wires().map(|wire| wire.name().to_owned()).collect(),
         short: request.is_short,
         codes_crc: None,
+        image_sha256: None,
         steps: Vec::new(),
     })
 }

@@ -45,6 +45,17 @@ impl Reading {
         with_unit(self.value, &self.value_unit)
     }
 
+    /// The number with so many digits that it differs from the limit that it exceeds: `3.4004 V`.
+    fn shown_beyond(&self, limit: &Limit) -> String {
+        let bound = limit.at_most.filter(|most| self.value > *most).or(limit.at_least);
+        let unit = &self.value_unit;
+        let bound = bound.map(|bound| with_unit(bound, unit));
+        let longer = (5..=17)
+            .map(|digits| format!("{} {unit}", significant(self.value, digits)).trim_end().to_owned());
+        let is_apart = |shown: &String| Some(shown) != bound.as_ref();
+        std::iter::once(self.shown()).chain(longer).find(is_apart).unwrap_or_else(|| self.shown())
+    }
+
     /// Its limits in words: `2.9 V to 3.4 V`; `None` of a number that is only reported.
     #[must_use]
     pub fn allowed(&self) -> Option<String> {
@@ -129,7 +140,7 @@ impl StepResult {
                     Reading { at_least: limit.at_least, at_most: limit.at_most, ..(*reading).clone() };
                 let allowed = of_limit.allowed().unwrap_or_default();
                 let quantity = capitalized(&reading.quantity);
-                format!("{quantity} is {}, allowed: {allowed}. {}", reading.shown(), limit.remedy)
+                format!("{quantity} is {}, allowed: {allowed}. {}", reading.shown_beyond(limit), limit.remedy)
             })
             .collect();
         let sentence = sentences.join(" ");
@@ -163,6 +174,9 @@ pub struct SelftestReport {
     /// CRC-32 over the digests of the compared windows of codes, in hexadecimal; `None` where none were compared.
     // JSON, text: CRC-32 over the digests of the compared codes, eight hexadecimal digits; null where none were compared
     pub codes_crc: Option<String>,
+    /// SHA-256 of the image of this build, in hexadecimal; `None` where the program does not hold it.
+    // JSON, text: SHA-256 of the image of this build, 64 hexadecimal digits; null where the program does not hold it
+    pub image_sha256: Option<String>,
     /// The steps, always in the same order.
     pub steps: Vec<StepResult>,
 }
@@ -185,15 +199,15 @@ impl SelftestReport {
         matches!(self.worst(), Verdict::Green | Verdict::Amber)
     }
 
-    /// The line by which a report is found in a log: `SELFTEST PASS unit=.. build=.. codes=..`, then the names of the steps that are
+    /// The line by which a report is found in a log: `SELFTEST PASS unit=.. build=.. sha=..`, then the names of the steps that are
     /// not green.
     #[must_use]
     pub fn line(&self) -> String {
         let result = if self.passed() { "PASS" } else { "FAIL" };
         let word = |text: &str| text.split_whitespace().collect::<Vec<_>>().join("_");
-        let codes = self.codes_crc.as_deref().unwrap_or("none");
+        let sha = self.image_sha256.as_deref().unwrap_or("none");
         let mut line =
-            format!("SELFTEST {result} unit={} build={} codes={codes}", word(&self.unit), word(&self.build));
+            format!("SELFTEST {result} unit={} build={} sha={sha}", word(&self.unit), word(&self.build));
         for verdict in [Verdict::Red, Verdict::Amber, Verdict::Skipped] {
             let names: Vec<String> = self.named(verdict).map(word).collect();
             if !names.is_empty() {
@@ -208,5 +222,36 @@ impl SelftestReport {
     pub fn judged_again(mut self) -> Self {
         self.steps = self.steps.into_iter().map(StepResult::judged_again).collect();
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::limits::step;
+    use super::*;
+
+    #[test]
+    fn a_number_beyond_its_limit_is_never_shown_as_the_limit() {
+        for (name, quantity, value, unit, wanted) in [
+            (step::SUPPLY, "VREF+", 3.400_003_4, "V", "VREF+ is 3.400003 V, allowed: 2.9 V to 3.4 V."),
+            (
+                step::NOISE,
+                "SINAD at 1 kHz",
+                59.999_99,
+                "dB",
+                "SINAD at 1 kHz is 59.99999 dB, allowed: at least 60 dB.",
+            ),
+            (
+                step::CLOCKS,
+                "rate error",
+                -300.0001,
+                "ppm",
+                "Rate error is -300.0001 ppm, allowed: -300 ppm to 300 ppm.",
+            ),
+            (step::SUPPLY, "VREF+", 2.7, "V", "VREF+ is 2.7 V, allowed"),
+        ] {
+            let judged = StepResult::judged(name, vec![Reading::new(name, quantity, value, unit)], "Good.");
+            assert!(judged.sentence.starts_with(wanted), "{}", judged.sentence);
+        }
     }
 }

@@ -104,6 +104,10 @@ fn steps_without_their_wire_or_their_person_are_skipped_and_never_green() {
     let request = SelftestRequest { is_short: true, ..SelftestRequest::default() };
     let report = desk.test(request.with_wires(&[Wire::DacToSensor])).unwrap();
     expect(&report, &[], &skipped);
+    // The amplifier, which is all that this test is asked for.
+    let request = SelftestRequest { is_amplifier_on: true, ..SelftestRequest::default() };
+    assert_eq!(desk.test(request), Err(MeasureError::NoInputs));
+    assert_eq!(desk.unmuted(), 0);
 }
 
 #[test]
@@ -118,7 +122,7 @@ fn a_standing_fault_is_refused_with_its_way_out_and_nothing_is_driven() {
         sentence.starts_with("the device has stopped: emergency stop; clear that fault first"),
         "{sentence}"
     );
-    assert!(sentence.contains("`slipline drive --clear-faults`"), "{sentence}");
+    assert!(sentence.contains("`slipline board clear-faults`"), "{sentence}");
     assert_eq!(desk.unmuted(), 0);
     desk.send(Request::ClearFaults);
     (0..100).for_each(|_| desk.pass());

@@ -36,9 +36,13 @@ pub(super) fn report(text: &str) -> Result<(SelftestReport, String), String> {
         wires: wires(&fields)?,
         short: fields.flag("short")?,
         codes_crc: fields.or_null("codes_crc", Fields::text)?,
+        image_sha256: fields.or_null("image_sha256", Fields::sha256)?,
         steps: steps(&fields)?,
     };
-    Ok((report, fields.text("date")?))
+    match report.contradiction() {
+        Some(contradiction) => Err(contradiction),
+        None => Ok((report, fields.text("date")?)),
+    }
 }
 
 /// The wires that were fitted.
@@ -130,6 +134,12 @@ fn read_reading(step: &str, fields: &Fields<'_>) -> Result<Reading, String> {
     })
 }
 
+/// Whether a letter would steer a terminal: a control character, or one that turns the direction of the text.
+fn is_hidden(letter: char) -> bool {
+    letter.is_control()
+        || matches!(letter, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
 /// The fields of an object, and where it stands.
 struct Fields<'a> {
     fields: &'a Map<String, Value>,
@@ -153,11 +163,16 @@ impl<'a> Fields<'a> {
     }
 
     fn text(&self, name: &str) -> Result<String, String> {
-        let is_allowed =
-            |text: &&str| text.chars().count() <= LETTERS_MAX && !text.chars().any(char::is_control);
+        let is_allowed = |text: &&str| text.chars().count() <= LETTERS_MAX && !text.chars().any(is_hidden);
         let text = self.get(name)?.as_str().filter(is_allowed);
         let allowed = format_args!("a text of up to {LETTERS_MAX} letters without control characters");
         text.map(str::to_owned).ok_or_else(|| must_be(self.place(name), allowed))
+    }
+
+    fn sha256(&self, name: &str) -> Result<String, String> {
+        let is_sha = |text: &String| text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
+        let allowed = "64 hexadecimal digits or null";
+        self.text(name).ok().filter(is_sha).ok_or_else(|| must_be(self.place(name), allowed))
     }
 
     fn number(&self, name: &str) -> Result<f64, String> {
