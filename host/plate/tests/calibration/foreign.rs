@@ -166,11 +166,11 @@ fn the_time_of_a_table_of_20_columns_grows_with_its_rows() {
     assert!(pairs.iter().any(|&(few, many)| many < 8 * few), "400 and 1600 rows: {pairs:?}");
 }
 
-/// Prints what becomes of each file of the folder `SLIPLINE_FILES`.
+/// Prints what becomes of each file of the folder `SLIPLINE_FILES`, or of the cases of the tree.
 #[test]
-#[ignore = "tries files that are not in the tree: SLIPLINE_FILES=FOLDER"]
+#[ignore = "for files that are not in the tree: SLIPLINE_FILES=FOLDER"]
 fn files_of_a_folder_are_read_or_refused_in_words() {
-    let folder = std::env::var_os("SLIPLINE_FILES").expect("SLIPLINE_FILES=FOLDER");
+    let folder = std::env::var_os("SLIPLINE_FILES").unwrap_or_else(|| "tests/cases".into());
     let mut paths: Vec<_> =
         std::fs::read_dir(folder).expect("a folder").map(|it| it.expect("a file").path()).collect();
     paths.sort();

@@ -165,35 +165,29 @@ fn statistics(numbers: impl Iterator<Item = usize>, solver: Solver, places: Wher
 
 #[test]
 fn the_stated_level_and_boundary_hold_on_a_plate_of_each_edge() {
-    let found = statistics([0, 9, 16].into_iter(), Solver::OneMode, Where::Proposed);
+    // The best pair by its intervals alone does not show how far the edges of the clamped one give.
+    let found = statistics([0, 9, 40].into_iter(), Solver::OneMode, Where::Proposed);
     assert!(found.accepted == 3 && found.boundaries == 3, "{found:?}");
     assert!(found.worst_places == 1.0 && found.stated_db < 0.6, "{found:?}");
 }
 
-#[test]
-#[ignore = "many plates: .ci/run statistics"]
-fn the_stated_level_and_boundary_hold_on_twenty_random_plates() {
-    hold_on_random_plates(20);
-}
-
-fn hold_on_random_plates(count: usize) {
-    let found = statistics(0..count, Solver::OneMode, Where::Proposed);
-    assert!(100 * found.accepted >= 98 * count, "{found:?}");
-    assert!(100 * found.boundaries >= 95 * found.accepted, "{found:?}");
-    assert!(found.places >= 0.95 && found.worst_places >= 0.9 && found.stated_db <= 0.6, "{found:?}");
-}
-
 mod night {
+    use super::{Solver, Where, statistics};
+
     #[test]
     #[ignore = "a minute and a half of one core: .ci/run statistics"]
     fn the_stated_level_and_boundary_hold_on_a_hundred_random_plates() {
-        super::hold_on_random_plates(100);
+        let found = statistics(0..100, Solver::OneMode, Where::Proposed);
+        assert!(found.accepted >= 98 && 100 * found.boundaries >= 95 * found.accepted, "{found:?}");
+        assert!(found.places >= 0.95 && found.worst_places >= 0.9 && found.stated_db <= 0.6, "{found:?}");
     }
 
     #[test]
     #[ignore = "half a minute of one core: .ci/run statistics"]
     fn the_stated_level_and_boundary_hold_on_twenty_four_plates_in_two_dimensions() {
-        super::hold_in_two_dimensions(24);
+        let found = statistics(0..24, Solver::TwoDimensions, Where::Proposed);
+        assert!(found.accepted >= 23 && found.boundaries + 1 >= found.accepted, "{found:?}");
+        assert!(found.places >= 0.95 && found.worst_places >= 0.9 && found.stated_db <= 0.6, "{found:?}");
     }
 
     #[test]
@@ -201,18 +195,6 @@ mod night {
     fn the_stated_level_holds_the_error_of_the_one_mode_equation_on_fourteen_plates() {
         super::hold_the_equations_own_error(14);
     }
-}
-
-#[test]
-#[ignore = "many plates: .ci/run statistics"]
-fn the_stated_level_and_boundary_hold_on_plates_in_two_dimensions() {
-    hold_in_two_dimensions(6);
-}
-
-fn hold_in_two_dimensions(count: usize) {
-    let found = statistics(0..count, Solver::TwoDimensions, Where::Proposed);
-    assert!(found.accepted + 1 >= count && found.boundaries + 1 >= found.accepted, "{found:?}");
-    assert!(found.places >= 0.95 && found.worst_places >= 0.9 && found.stated_db <= 0.6, "{found:?}");
 }
 
 #[test]
@@ -250,7 +232,8 @@ fn the_stated_level_holds_on_plates_in_two_dimensions_almost_without_noise() {
             Err(error) => println!("{number:3} refused: {error}"),
         }
     }
-    assert!(accepted >= 10 && held + 1 >= accepted, "{held} of {accepted}");
+    // Three clamped plates are refused as unlike: in two dimensions they differ by more than 1.5 % from the one-mode equation.
+    assert!(accepted >= 9 && held + 1 >= accepted, "{held} of {accepted}");
 }
 
 #[test]

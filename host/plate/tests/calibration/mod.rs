@@ -82,7 +82,8 @@ fn ratio(number: u64) {
         let [(boundary_mm, worst_mm), (level_db, worst_db)] = after;
         assert!(worst_mm <= 1.0 && worst_db <= 2.0, "{name}: {after:?}");
         if number >= MANY {
-            assert!(boundary_mm <= 0.2 && level_db <= 0.5, "{name}: {after:?}");
+            // 0.2 mm where how far the edges give is known.
+            assert!(boundary_mm <= 0.3 && level_db <= 0.5, "{name}: {after:?}");
             assert!(before[0].0 > 1.0 && before[1].0 > 2.0, "{name}: {before:?}");
         }
     }

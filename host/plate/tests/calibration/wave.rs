@@ -58,7 +58,7 @@ fn the_wave_before_the_boundary_is_calibrated_within_a_hundredth_on_twenty_plate
     for name in ["membrane", "al-bending"] {
         let worst = (1..=20).map(|seed| off(name, seed)).fold(0.0, f64::max);
         println!("{name}: {worst:.4}");
-        assert!(worst < 0.006, "{name}: {worst}");
+        assert!(worst < 0.007, "{name}: {worst}");
     }
 }
 

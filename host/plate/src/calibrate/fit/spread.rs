@@ -161,7 +161,7 @@ impl Spread {
 }
 
 /// The covariance of the coordinates where coordinate `i` is given.
-fn given(covariance: &DMatrix<f64>, i: usize) -> DMatrix<f64> {
+pub(crate) fn given(covariance: &DMatrix<f64>, i: usize) -> DMatrix<f64> {
     let column = covariance.column(i);
     covariance - column * column.transpose() / covariance[(i, i)]
 }

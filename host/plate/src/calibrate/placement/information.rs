@@ -8,8 +8,8 @@ use crate::calibrate::fit::parameter::INTERVAL;
 use crate::calibrate::fit::response::prediction::per_metre;
 use crate::calibrate::fit::response::wave::{FINE, Wave, points};
 use crate::calibrate::fit::search::PLACE_STEP_M;
-use crate::calibrate::fit::spread::{Nodes, Turning};
-use crate::calibrate::fit::unknowns::{OF_PLATE_MAX, spec_at, steps};
+use crate::calibrate::fit::spread::{Nodes, Turning, given};
+use crate::calibrate::fit::unknowns::{EDGE_GIVE, OF_PLATE_MAX, spec_at, steps};
 use crate::calibrate::measurement::sensor::{Measurement, PLACE_TOLERANCE_M, SensorKind};
 use crate::definition::{Plate, Resonator};
 use crate::progress::Progress;
@@ -77,6 +77,8 @@ pub(crate) struct Reached {
     /// The level behind the worst of the actuators.
     pub(crate) resonant_db: f64,
     pub(crate) nodes_m: f64,
+    /// The boundary's over the one that is left if how far the edges give is known, behind the worst of the actuators.
+    pub(crate) by_edges: f64,
 }
 
 impl Information {
@@ -160,8 +162,9 @@ impl Information {
         let stated = self.reached_behind((&vec![1.0; self.rows.len()], DRIVE), pair, noise)?;
         let resonant =
             self.resonant.iter().map(|gains| self.reached_behind((gains, RESONANT_DRIVE), pair, noise));
-        let levels_db = resonant.map(|reached| reached.map(|it| it.level_db)).collect::<Option<Vec<_>>>()?;
-        Some(Reached { resonant_db: levels_db.into_iter().fold(stated.level_db, f64::max), ..stated })
+        let resonant = resonant.collect::<Option<Vec<_>>>()?;
+        let worst = |of: fn(&Reached) -> f64| resonant.iter().map(of).fold(of(&stated), f64::max);
+        Some(Reached { resonant_db: worst(|it| it.level_db), by_edges: worst(|it| it.by_edges), ..stated })
     }
 
     /// The same behind an actuator with these gains and a drive of this standard deviation. The noise keeps its share of the root of
@@ -221,12 +224,14 @@ impl Information {
         let level_of = (true, self.level_error);
         let level_db = drive.deviation_db(&places, &slopes, &covariance, self.band_hz, level_of)?;
         let (boundary_m, _) = self.turning.deviations(&covariance);
+        let (known_m, _) = self.turning.deviations(&given(&covariance, EDGE_GIVE));
         let nodes_m = self.nodes.deviation_m(&covariance);
         [boundary_m, level_db, nodes_m].iter().all(|it| it.is_finite()).then_some(Reached {
             boundary_m: INTERVAL * boundary_m,
             level_db: INTERVAL * level_db,
             resonant_db: INTERVAL * level_db,
             nodes_m: INTERVAL * nodes_m,
+            by_edges: boundary_m / known_m,
         })
     }
 }

@@ -5,7 +5,7 @@ use super::information::{Information, Reached};
 use super::near_limit::NearLimit;
 use super::warning::PlaceWarning;
 use crate::calibrate::error::CalibrateError;
-use crate::calibrate::fit::acceptance::LEVEL_MAX_DB;
+use crate::calibrate::fit::acceptance::{CLAMPED_OPEN_MAX, LEVEL_MAX_DB};
 use crate::calibrate::fit::pairs::MODEL_ERROR;
 use crate::calibrate::fit::parameter::INTERVAL;
 use crate::calibrate::fit::response::sensor_body::SensorMasses;
@@ -13,7 +13,7 @@ use crate::calibrate::fit::unknowns::{DISTANT_AIR, Priors, has_distant_air};
 use crate::calibrate::measurement::band::band_hz;
 use crate::calibrate::measurement::sensor::{POINTS, SensorKind};
 use crate::calibrate::measurement::signal;
-use crate::definition::{Air, Plate, PlateSpec, limits};
+use crate::definition::{Air, Model, Plate, PlateSpec, limits};
 use crate::quantity::number_format::significant;
 use crate::quantity::{OutOfRange, Range, WrongCount, show_place};
 
@@ -82,6 +82,8 @@ pub struct PairReach {
     pub node_tolerance_m: f64,
     /// The level's interval behind the drive of the plate file alone, dB: pairs are compared by it.
     stated_db: f64,
+    /// How much wider the boundary's interval is because nobody knows how far clamped edges give; 1 of other edges.
+    by_edges: f64,
 }
 
 /// Places of the two sensors of a calibration, proposed from the nominal plate.
@@ -114,7 +116,7 @@ pub struct SensorPlaces {
     /// What sets it.
     pub limit: NearLimit,
     /// The pair with the least product of the interval of places (the boundary's, or two thirds of the nodes' where that is larger)
-    /// and the level's to the power of 1.5.
+    /// and the level's to the power of 1.5; on a clamped plate one that shows how far its edges give, if there is any.
     pub best: PairReach,
     /// Pairs over the plate, with what each would reach: in rising places.
     pub pairs: Vec<PairReach>,
@@ -166,7 +168,7 @@ impl SensorPlaces {
             for (a, &near_m) in all[..near].iter().enumerate() {
                 for (b, &far_m) in (far..).zip(&all[far..]).filter(|(_, far_m)| **far_m > near_m + step_m) {
                     let reached = known.reached([a, b], noise);
-                    pairs.extend(reached.map(|reached| PairReach::new([near_m, far_m], reached)));
+                    pairs.extend(reached.map(|reached| PairReach::new(plate, [near_m, far_m], reached)));
                 }
             }
             Ok(pairs)
@@ -197,7 +199,7 @@ impl SensorPlaces {
     /// What a pair of other places would reach; `None` if its information is singular.
     pub fn reach(&self, places_m: [f64; 2]) -> Option<PairReach> {
         let information = self.information(&places_m).ok()?;
-        information.reached([0, 1], self.noise).map(|reached| PairReach::new(places_m, reached))
+        information.reached([0, 1], self.noise).map(|reached| PairReach::new(&self.plate, places_m, reached))
     }
 
     /// Where a third place checks the best two; `None` where no place is apart from both.
@@ -211,6 +213,12 @@ impl SensorPlaces {
     /// accepted with noise 40 dB below the signals.
     #[must_use]
     pub fn caution(&self) -> Option<String> {
+        if !self.best.sees_edges() {
+            return Some(format!(
+                "two places may be refused: no two show how far the clamped edges give, which widens the boundary's interval to {} times; state edge_give_m and edge_give_tolerance_m in the plate file",
+                significant(self.best.by_edges, 2)
+            ));
+        }
         if self.best.is_accepted() {
             return None;
         }
@@ -283,14 +291,22 @@ impl SensorPlaces {
 }
 
 impl PairReach {
-    fn new(places_m: [f64; 2], Reached { boundary_m, level_db, resonant_db, nodes_m }: Reached) -> Self {
+    fn new(plate: &Plate, places_m: [f64; 2], reached: Reached) -> Self {
+        let Reached { boundary_m, level_db, resonant_db, nodes_m, by_edges } = reached;
+        let is_clamped = matches!(plate.spec().model, Model::BendingClamped(_));
         Self {
             places_m,
             boundary_tolerance_m: boundary_m,
             level_tolerance_db: resonant_db,
             node_tolerance_m: nodes_m,
             stated_db: level_db,
+            by_edges: if is_clamped { by_edges } else { 1.0 },
         }
+    }
+
+    /// Whether the two places show how far clamped edges give.
+    fn sees_edges(&self) -> bool {
+        self.by_edges <= CLAMPED_OPEN_MAX
     }
 
     /// Whether a calibration there is accepted behind an actuator that resonates, too.
@@ -300,13 +316,12 @@ impl PairReach {
 }
 
 /// The pair with the least product of the interval of places, that of the boundary or of the nodes, and of the level to the power
-/// of [`OF_LEVEL`]: of those that are accepted behind an actuator that resonates, or of all where there is none.
+/// of [`OF_LEVEL`]: of those that show how far clamped edges give, and of these of those that are accepted behind an actuator that
+/// resonates, or of all where there is none.
 fn best_of(pairs: &[PairReach]) -> Option<PairReach> {
     let product = |it: &PairReach| {
         it.boundary_tolerance_m.max(it.node_tolerance_m / OF_NODES) * it.stated_db.powf(OF_LEVEL)
     };
-    pairs
-        .iter()
-        .copied()
-        .min_by(|a, b| b.is_accepted().cmp(&a.is_accepted()).then(product(a).total_cmp(&product(b))))
+    let order = |it: &PairReach| (it.sees_edges(), it.is_accepted());
+    pairs.iter().copied().min_by(|a, b| order(b).cmp(&order(a)).then(product(a).total_cmp(&product(b))))
 }
