@@ -314,6 +314,19 @@ fn monotone_slopes(position: &[f64], value: &[f64]) -> Vec<f64> {
     slope
 }
 
+/// The interval of rising places that holds `x`, which lies within them. Most curves have places at equal distances: there the first
+/// guess is right or next to it.
+fn interval_of(position: &[f64], x: f64) -> usize {
+    let last = position.len() - 1;
+    let share = (x - position[0]) / (position[last] - position[0]);
+    let guess = ((share * last as f64) as usize).min(last - 1);
+    let near = guess.saturating_sub(1)..(guess + 2).min(last);
+    let holds = |i: &usize| position[*i] <= x && x < position[*i + 1];
+    near.into_iter()
+        .find(holds)
+        .unwrap_or_else(|| position.partition_point(|&place| place <= x).clamp(1, last) - 1)
+}
+
 fn curve_at(position: &[f64], value: &[f64], slope: &[f64], x: f64) -> LogWidth {
     let last = position.len() - 1;
     if x < position[0] || x >= position[last] {
@@ -325,8 +338,8 @@ fn curve_at(position: &[f64], value: &[f64], slope: &[f64], x: f64) -> LogWidth 
             curvature: 0.0,
         };
     }
-    let right = position.partition_point(|&place| place <= x).clamp(1, last);
-    let left = right - 1;
+    let left = interval_of(position, x);
+    let right = left + 1;
     let h = position[right] - position[left];
     let t = (x - position[left]) / h;
     let rise = value[right] - value[left];

@@ -99,8 +99,8 @@ impl TurningLaw {
                 let shorter = arc_to_width(fall);
                 Self::Width(WidthLaw::Linear { half_width_m: half_width_m * shorter, fall: fall * shorter })
             }
-            (TurningWidth::Arc, WidthLaw::Curve { position, .. }) => {
-                Self::Width(curve_of_arcs(position, width, length_m))
+            (TurningWidth::Arc, WidthLaw::Curve { position, value, slope }) => {
+                Self::Width(curve_of_arcs((position, value, slope), width, length_m))
             }
             (TurningWidth::Plain, width) => Self::Width(width.clone()),
         }
@@ -158,21 +158,32 @@ pub(crate) fn arc_to_width(s: f64) -> f64 {
 ///
 /// Where the edges bend outward so sharply that the arc grows (a radius below two thirds of the half-width) no wave
 /// turns: a wave that arrives there has already passed a shorter arc. There the curve keeps the shortest arc so far.
-fn curve_of_arcs(position: &[f64], width: &WidthLaw, length_m: f64) -> WidthLaw {
+fn curve_of_arcs(
+    (position, value, slope): (&[f64], &[f64], &[f64]),
+    width: &WidthLaw,
+    length_m: f64,
+) -> WidthLaw {
     let longest = length_m / ARC_INTERVALS as f64;
     let mut arcs: Vec<[f64; 2]> = Vec::with_capacity(position.len() + ARC_INTERVALS);
     let mut shortest = f64::INFINITY;
-    let mut add = |x: f64| {
-        let at = width.at(x);
-        let arc = at.value + arc_to_width(at.slope * at.value.exp()).ln();
+    let mut add = |x: f64, value: f64, slope: f64| {
+        let arc = value + arc_to_width(slope * value.exp()).ln();
         shortest = arc.min(shortest - LEAST_FALL);
         arcs.push([x, shortest]);
     };
-    for pair in position.windows(2) {
+    for (i, pair) in position.windows(2).enumerate() {
         let (from, to) = (pair[0], pair[1]);
         let parts = ((to - from) / longest).ceil().max(1.0);
-        (0..parts as usize).for_each(|part| add(from + (to - from) * part as f64 / parts));
+        // At its own points the curve need not be searched; its slope is rounded as there.
+        let step = to - from;
+        add(from, value[i], step * slope[i] / step);
+        for part in 1..parts as usize {
+            let x = from + (to - from) * part as f64 / parts;
+            let LogWidth { value, slope, .. } = width.at(x);
+            add(x, value, slope);
+        }
     }
-    position.last().into_iter().for_each(|x| add(*x));
+    let last = width.at(position[position.len() - 1]);
+    add(position[position.len() - 1], last.value, last.slope);
     WidthLaw::curve(arcs.iter().map(|arc| arc[0]).collect(), arcs.iter().map(|arc| arc[1]).collect())
 }

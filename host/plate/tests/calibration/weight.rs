@@ -107,7 +107,6 @@ fn a_sensor_with_mass_calibrates_a_plate_once_its_mass_is_stated() {
     let (unstated, _) = case("tungsten-membrane", 1).run(0.25, 0.0);
     assert!(unstated.is_err(), "{unstated:?}");
     holds(&case("tungsten-membrane", 1), 0.25, 1.0);
-    holds(&case("membrane-heavy", 2), 0.25, 1.15);
 }
 
 #[test]
@@ -122,6 +121,7 @@ fn a_sensor_too_heavy_for_the_plate_is_refused_by_its_mass() {
 }
 
 #[test]
+#[ignore = "a second pass, by one sensor: .ci/run statistics"]
 fn one_sensor_with_mass_determines_plate_and_source() {
     let case = case("tungsten-membrane", 3);
     let (rig, mut random) = case.rig();

@@ -193,7 +193,8 @@ pub(crate) fn spec_at(nominal: &PlateSpec, coordinates: &[f64]) -> PlateSpec {
     spec.loss_factor = (loss_of(nominal) * coordinates[LOSS].exp()).min(limits::LOSS_FACTOR.high);
     let (scale, power) = (coordinates[HALF_WIDTH].exp(), 1.0 + coordinates[TAPER]);
     spec.taper = spec.taper.stretched(scale, power);
-    if let Some(give_m) = coordinates.get(EDGE_GIVE).filter(|give_m| **give_m != 0.0) {
+    // Where the edges are held, the taper keeps its law: between edges that give by any length it is a curve through many places.
+    if let Some(give_m) = coordinates.get(EDGE_GIVE).filter(|give_m| give_m.abs() > HELD) {
         spec.edge_give_m = Some(spec.edge_give_m.unwrap_or(0.0) + give_m);
     }
     if let (Some(Air::Around { mounting, gap_m, .. }), Some(air)) = (&mut spec.air, coordinates.get(AIR)) {
