@@ -126,21 +126,32 @@ class Line:
             return status.state.name, fault_names(status.faults)
 
 
+#: A program that takes longer hangs, seconds.
+HANG_S = 300
+
+
 class Program:
     """A Python program of its own, whose lines are read. A context manager; the process is always ended."""
 
     def __init__(self, body: str, *arguments: str, **names: str) -> None:
         for name, value in names.items():
             body = body.replace(name, value)
-        command = [sys.executable, "-u", "-c", textwrap.dedent(body), *arguments]
+        command = [sys.executable, "-X", "faulthandler", "-u", "-c", textwrap.dedent(body), *arguments]
         streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        self._process = subprocess.Popen(command, text=True, **streams)
+        # Its workers are ended with it: they hold its streams.
+        self._process = subprocess.Popen(command, text=True, start_new_session=True, **streams)
+        # One that hangs says where.
+        self._limit = threading.Timer(HANG_S, self._process.send_signal, [signal.SIGABRT])
+        self._limit.daemon = True
+        self._limit.start()
 
     def __enter__(self) -> Program:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._process.kill()
+        self._limit.cancel()
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
         self._process.communicate()
 
     def line(self) -> str:
