@@ -48,9 +48,14 @@ impl SelftestReport {
             let which = if has_amplifier { "a test of the amplifier" } else { "a short test" };
             return Some(must_be(format_args!("steps[{at}].verdict"), format_args!("skipped in {which}")));
         }
-        let is_crc = |crc: &String| crc.len() == 8 && crc.bytes().all(|byte| byte.is_ascii_hexdigit());
+        let is_hex = |text: &String, digits: usize| {
+            text.len() == digits && text.bytes().all(|byte| byte.is_ascii_hexdigit())
+        };
+        if !self.image_sha256.iter().all(|sum| is_hex(sum, 64)) {
+            return Some(must_be("image_sha256", "64 hexadecimal digits or null"));
+        }
         let compares = self.step(step::CODES).is_some_and(|it| has(it, "windows"));
-        if self.codes_crc.is_some() != compares || !self.codes_crc.iter().all(is_crc) {
+        if self.codes_crc.is_some() != compares || !self.codes_crc.iter().all(|crc| is_hex(crc, 8)) {
             let allowed = "eight hexadecimal digits where codes were compared, else null";
             return Some(must_be("codes_crc", allowed));
         }

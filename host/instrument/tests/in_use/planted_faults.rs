@@ -294,6 +294,7 @@ fn an_amplifier_that_is_on_while_it_is_muted_is_caught() {
     // A muted amplifier that leaks at -40 dB is none.
     let (leaking, ..) = with_amplifier(None, |wire| wire.amplifier = Some(0.01));
     assert_eq!(leaking.verdict, Verdict::Green, "{leaking:?}");
+    // One that is off.
     let (off, ..) = with_amplifier(None, |wire| wire.stuck = Some(2048));
     assert!(off.verdict == Verdict::Red && off.sentence.contains("is the amplifier on"), "{off:?}");
 }

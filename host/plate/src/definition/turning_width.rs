@@ -183,7 +183,7 @@ fn curve_of_arcs(
             add(x, value, slope);
         }
     }
-    let last = width.at(position[position.len() - 1]);
-    add(position[position.len() - 1], last.value, last.slope);
+    let last = position.len() - 1;
+    add(position[last], value[last], slope[last]);
     WidthLaw::curve(arcs.iter().map(|arc| arc[0]).collect(), arcs.iter().map(|arc| arc[1]).collect())
 }

@@ -107,6 +107,7 @@ fn a_sensor_with_mass_calibrates_a_plate_once_its_mass_is_stated() {
     let (unstated, _) = case("tungsten-membrane", 1).run(0.25, 0.0);
     assert!(unstated.is_err(), "{unstated:?}");
     holds(&case("tungsten-membrane", 1), 0.25, 1.0);
+    holds(&case("membrane-heavy", 2), 0.25, 1.15);
 }
 
 #[test]
