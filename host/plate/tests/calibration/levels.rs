@@ -3,7 +3,7 @@
 
 use super::rig::{Random, Rig, Solver, middle_and_worst};
 use super::{PLACES, calibrated};
-use slipline_plate::calibrate::{CalibrateError, NearLimit, Placing, SensorPlaces};
+use slipline_plate::calibrate::{CalibrateError, Comparison, NearLimit, Placing, SensorPlaces};
 use slipline_plate::{DriveEnd, LeadIn, Model, Plate, PlateSpec, Source, Taper, preset};
 use std::f64::consts::TAU;
 
@@ -79,6 +79,7 @@ struct Judged {
     /// Deviation of the level at each place from the mean of all, dB.
     levels_db: Vec<f64>,
     stated_db: f64,
+    plate: Plate,
 }
 
 impl Judged {
@@ -122,7 +123,7 @@ fn judged(number: usize, rig: &Rig, places: Where, random: &mut Random) -> Resul
         found.chi2_per_n,
         found.misfit,
     );
-    Ok(Judged { boundary_m, stated_m, levels_db, stated_db })
+    Ok(Judged { boundary_m, stated_m, levels_db, stated_db, plate: found.plate })
 }
 
 /// Statistics over some plates.
@@ -228,11 +229,17 @@ fn the_stated_level_holds_on_plates_in_two_dimensions_almost_without_noise() {
             Ok(judged) => {
                 accepted += 1;
                 held += usize::from(judged.worst_db() <= judged.stated_db);
+                // A third sensor stands in the tail of most frequencies, which the strip's law has too long between clamped edges.
+                let third_m = 0.7 * rig.nominal.length_m();
+                let [third] = rig.measure([third_m], count(&rig.nominal), &mut random);
+                let comparison = Comparison::of(&judged.plate, &third).expect("on the plate");
+                println!("{number:3} third place: chi2/n {:.2}", comparison.chi2_per_n);
+                assert!(!comparison.is_other_plate(), "{number}: {comparison:?}");
             }
             Err(error) => println!("{number:3} refused: {error}"),
         }
     }
-    assert!(accepted >= 10 && held + 1 >= accepted, "{held} of {accepted}");
+    assert!(accepted == 12 && held >= 11, "{held} of {accepted}");
 }
 
 #[test]

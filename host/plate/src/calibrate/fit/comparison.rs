@@ -2,8 +2,8 @@
 
 use super::acceptance::CHI2_PER_N_MAX;
 use super::gain::DECIBELS;
-use super::pairs::MODEL_ERROR;
-use super::response::prediction::predicted;
+use super::pairs::{MODEL_ERROR, tail_error};
+use super::response::prediction::predicted_beside_largest;
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::definition::Plate;
@@ -30,7 +30,7 @@ pub struct Comparison {
     /// Median expected from the noise and from the error of the one-mode equation, dB.
     pub allowed_db: f64,
     /// Sum of the squared differences of the magnitudes, each over its variance, divided by their number. The
-    /// variance is that of the noise and of a model error of 1.5 %.
+    /// variance is that of the noise and of a model error of 1.5 %, and between clamped edges 0.3 % of the largest amplitude.
     pub chi2_per_n: f64,
 }
 
@@ -44,9 +44,11 @@ impl Comparison {
     /// amplifier and sensor.
     ///
     /// # Errors
-    /// As [`predicted`].
+    /// As [`predicted`](crate::calibrate::predicted).
     pub fn of(plate: &Plate, sensor: &Measurement) -> Result<Self, CalibrateError> {
-        let mut predicted = predicted(plate, sensor)?;
+        let both = predicted_beside_largest(plate, sensor)?.into_iter().map(Option::unzip);
+        let (mut predicted, largest): (Vec<Option<Complex64>>, Vec<Option<f64>>) = both.unzip();
+        let tail_error = tail_error(&plate.spec().model);
         let off = |(answer, at): (&MeasuredPoint, &Option<Complex64>)| {
             at.map(|at| DECIBELS * (answer.response.norm().max(f64::MIN_POSITIVE) / at.norm()).ln())
         };
@@ -60,12 +62,13 @@ impl Comparison {
         off_db.iter_mut().flatten().for_each(|off| *off -= level_db);
 
         let (mut count, mut chi2, mut allowed) = (0, 0.0, Vec::new());
-        for (point, at) in sensor.points.iter().zip(&predicted) {
-            let Some(at) = at.map(Complex64::norm) else { continue };
+        for ((point, at), largest) in sensor.points.iter().zip(&predicted).zip(largest) {
+            let Some((at, largest)) = at.map(Complex64::norm).zip(largest) else { continue };
             let measured = point.response.norm();
             // The model error is a share of the wave, not of its magnitude at a node, where measured and predicted
             // are both small.
-            let deviation = point.noise.hypot(MODEL_ERROR * measured.max(at));
+            let deviation =
+                point.noise.hypot(MODEL_ERROR * measured.max(at)).hypot(tail_error * scale * largest);
             chi2 += ((measured - at) / deviation).powi(2);
             allowed.push(DECIBELS * MEDIAN_OF_NORMAL * deviation / measured.max(at));
             count += 1;
@@ -87,6 +90,7 @@ impl Comparison {
 mod tests {
     use super::*;
     use crate::calibrate::measurement::sensor::SensorKind;
+    use crate::calibrate::predicted;
     use crate::definition::preset;
 
     /// Responses of an acceleration sensor at 32 mm on `truth`, with 7.3 times the stated gain and 1 % of noise.

@@ -14,7 +14,7 @@ use super::acceptance::CHI2_PER_N_MAX;
 use super::gain::Carried;
 use super::least_squares::{self, Fit};
 use super::misfit::misfit;
-use super::pairs::{MODEL_ERROR, Pair, pairs};
+use super::pairs::{self, MODEL_ERROR, Pair, pairs};
 use super::response::wave::{COARSE, FINE, Wave, points};
 use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
 use super::sensor_load::{Load, SensorLoad};
@@ -53,7 +53,12 @@ pub(crate) struct Ratio<'a> {
 
 impl<'a> Ratio<'a> {
     pub(crate) fn new(plate: &'a Plate, sensors: [&Measurement; 2], priors: &Priors) -> Self {
-        let pairs = pairs(sensors, respond_range(plate));
+        let mut pairs = pairs(sensors, respond_range(plate));
+        let magnitudes = pairs.iter().map(|pair| pair.magnitude);
+        let tails = pairs::tail_variances(magnitudes, pairs::tail_error(&plate.spec().model));
+        for (pair, tail) in pairs.iter_mut().zip(tails) {
+            pair.variance.iter_mut().for_each(|variance| *variance += tail);
+        }
         let places = sensors.map(|sensor| sensor.place_tolerance_m.max(PLACE_STEP_M));
         let load = SensorLoad::of(plate, sensors);
         let of_load = load.iter().flat_map(|load| load.deviations(HELD));

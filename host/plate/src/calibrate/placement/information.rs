@@ -3,7 +3,7 @@
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::fit::gain::level_error;
 use crate::calibrate::fit::gaussian_process::{Places, Process};
-use crate::calibrate::fit::pairs::MODEL_ERROR;
+use crate::calibrate::fit::pairs::{MODEL_ERROR, tail_error, tail_variances};
 use crate::calibrate::fit::parameter::INTERVAL;
 use crate::calibrate::fit::response::prediction::per_metre;
 use crate::calibrate::fit::response::wave::{FINE, Wave, points};
@@ -48,6 +48,7 @@ pub(crate) struct Information {
     deviations: Vec<f64>,
     band_hz: (f64, f64),
     level_error: f64,
+    tail_error: f64,
 }
 
 /// A sensor's signal at one place, as its nominal drive makes it.
@@ -140,6 +141,7 @@ impl Information {
             deviations,
             band_hz: plate.band_hz(),
             level_error: level_error(plate),
+            tail_error: tail_error(&plate.spec().model),
         })
     }
 
@@ -190,9 +192,11 @@ impl Information {
         let mut information = DMatrix::from_diagonal(&DVector::from_iterator(count, known));
         let mut slopes: Vec<Vec<f64>> = vec![Vec::new(); count];
         let mut variances = Vec::with_capacity(self.rows.len());
-        for ((row, of_peak), &gain) in self.rows.iter().zip(&self.of_peak).zip(gains) {
+        let signals = self.rows.iter().zip(gains).map(|(row, gain)| [a, b].map(|at| gain * row[at].signal));
+        let tails = tail_variances(signals, self.tail_error);
+        for (((row, of_peak), &gain), tail) in self.rows.iter().zip(&self.of_peak).zip(gains).zip(tails) {
             let (a, b) = (row[a].times(gain), row[b].times(gain));
-            let variance = |seen: Seen| noise.powi(2) + (MODEL_ERROR * seen.signal).powi(2);
+            let variance = |seen: Seen| noise.powi(2) + (MODEL_ERROR * seen.signal).powi(2) + tail;
             let (of_a, of_b) = (variance(a), variance(b));
             let spread = (of_a * b.signal.powi(2) + of_b * a.signal.powi(2)).sqrt();
             // The weights of both in the source's amplitude.

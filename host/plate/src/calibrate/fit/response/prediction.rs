@@ -36,6 +36,18 @@ use std::f64::consts::TAU;
 /// [`CalibrateError`]: a number of the measurement is out of its range, its place is beyond the plate, or the plate
 /// has no strain.
 pub fn predicted(plate: &Plate, sensor: &Measurement) -> Result<Vec<Option<Complex64>>, CalibrateError> {
+    let predicted = predicted_beside_largest(plate, sensor)?;
+    Ok(predicted.into_iter().map(|it| it.map(|(at, _)| at)).collect())
+}
+
+/// As [`predicted`], beside the magnitude that such a sensor would show where the wave is largest.
+///
+/// # Errors
+/// As [`predicted`].
+pub(crate) fn predicted_beside_largest(
+    plate: &Plate,
+    sensor: &Measurement,
+) -> Result<Vec<Option<(Complex64, f64)>>, CalibrateError> {
     signal::check_place(plate, sensor)?;
     let allowed = respond_range(plate);
     let hertz = || sensor.points.iter().map(|point| point.frequency_hz);
@@ -49,11 +61,17 @@ pub fn predicted(plate: &Plate, sensor: &Measurement) -> Result<Vec<Option<Compl
         let hertz = entering[number];
         let before = plate.drive_response(hertz) * plate.spec().full_scale_m * sensor.hold_droop(hertz);
         let per_metre = per_metre(plate, sensor, hertz) / sensor.unit_per_response.unwrap_or(1.0);
-        found.push(before * seen(field, step_m, sensor.place_m, sensor.sensor) * per_metre);
+        let bends = match sensor.sensor {
+            SensorKind::Strain => plate.wavenumber_squared(hertz),
+            _ => 1.0,
+        };
+        let largest = field.iter().map(Complex64::norm_sqr).fold(0.0, f64::max).sqrt() * bends;
+        let at = before * seen(field, step_m, sensor.place_m, sensor.sensor) * per_metre;
+        found.push((at, largest * (before * per_metre).norm()));
     });
     if let Some(body) = sensor.body() {
         let rises = rises(plate, body, sensor.place_m, &entering)?;
-        found.iter_mut().zip(rises).for_each(|(found, rise): (&mut Complex64, Complex64)| *found /= rise);
+        found.iter_mut().zip(rises).for_each(|((found, _), rise)| *found /= rise);
     }
     let mut found = found.into_iter();
     Ok(hertz().map(|hertz| if allowed.contains(hertz) { found.next() } else { None }).collect())
