@@ -20,6 +20,9 @@ const SATURATION: f64 = 0.5;
 /// The most that the turning point's alpha is over that of a wide plate. With more a wave could turn twice.
 const GROWTH_MAX: f64 = 2.5;
 
+/// e to minus this is nothing beside 1.
+const GONE: f64 = 40.0;
+
 /// Mass of the air and wavenumber along a membrane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct AirAlong {
@@ -85,7 +88,8 @@ impl AirAlong {
 
     /// Omega as the driven end sees it: `at` of the place, and 1 at the end itself.
     pub(crate) fn weight_from_end(&self, width_square: f64, x: f64) -> f64 {
-        let near = (-self.turning * x * x).exp();
+        let exponent = self.turning * x * x;
+        let near = if exponent < GONE { (-exponent).exp() } else { 0.0 };
         1.0 + (self.at(width_square).weight - 1.0) * (1.0 - near)
     }
 }

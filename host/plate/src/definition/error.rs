@@ -2,6 +2,7 @@
 //! [`super::wording`].
 
 use crate::quantity::{Count, Range, WrongCount};
+use std::fmt::Display;
 use thiserror::Error;
 
 /// Why a plate was refused. `Display` names the fields as a plate file does; [`PlateError::worded`] can use other names.
@@ -209,17 +210,22 @@ impl Range {
     ///
     /// # Errors
     /// [`PlateError::OutOfRange`].
-    pub fn check(self, field: &str, value: f64) -> Result<(), PlateError> {
+    pub fn check(self, field: impl Display, value: f64) -> Result<(), PlateError> {
         if self.contains(value) { Ok(()) } else { Err(self.refuse(field, value, None)) }
     }
 
     /// As [`Range::check`]; the error also carries the reason for the range.
-    pub(crate) fn check_from(self, origin: Origin, field: &str, value: f64) -> Result<(), PlateError> {
+    pub(crate) fn check_from(
+        self,
+        origin: Origin,
+        field: impl Display,
+        value: f64,
+    ) -> Result<(), PlateError> {
         if self.contains(value) { Ok(()) } else { Err(self.refuse(field, value, Some(origin))) }
     }
 
-    pub(crate) fn refuse(self, field: &str, value: f64, origin: Option<Origin>) -> PlateError {
-        PlateError::OutOfRange { field: field.to_owned(), value, range: self, origin }
+    pub(crate) fn refuse(self, field: impl Display, value: f64, origin: Option<Origin>) -> PlateError {
+        PlateError::OutOfRange { field: field.to_string(), value, range: self, origin }
     }
 }
 

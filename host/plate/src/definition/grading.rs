@@ -1,7 +1,7 @@
 //! The thickness along a plate, and its effect on the power and the turning point of a wave.
 
+use crate::definition::log_width::LogWidth;
 use crate::definition::plate::Plate;
-use crate::definition::taper::LogWidth;
 use crate::definition::turning_width::TurningLaw;
 
 impl Plate {

@@ -9,6 +9,7 @@ use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Consequence, Origin, PlateError};
 use crate::definition::fields::check_ranges;
 use crate::definition::film::{self, FilmEdge};
+use crate::definition::log_width::LogWidth;
 use crate::definition::model::Model;
 use crate::definition::spec::PlateSpec;
 use crate::definition::strip_table::StripTable;
@@ -272,9 +273,11 @@ impl Plate {
         Some(FilmEdge::new(self.half_width_m(x) / square.sqrt()))
     }
 
-    /// What edges that bend add to k^2, see [`TurningWidth`]: b W''/(2 W), 1/m^2.
-    pub(crate) fn edge_bend(&self, x: f64) -> f64 {
-        0.5 * self.bend_weight * self.width.at(x).bend()
+    /// What edges that bend add to k^2 at `x`, see [`TurningWidth`]: b W''/(2 W), 1/m^2. `weight` is [`Plate::weight_at`] at `x`,
+    /// which is W where the thickness is the same everywhere.
+    pub(crate) fn edge_bend(&self, x: f64, weight: LogWidth) -> f64 {
+        let width = if self.grading.is_some() { self.width.at(x) } else { weight };
+        0.5 * self.bend_weight * width.bend()
     }
 
     /// eta of the amplitude equation, K^2 -> K^2 (1 + j eta), in the middle of the band. For membranes and SH waves it is the loss

@@ -37,16 +37,15 @@ impl ResponseCurve {
         limits::CURVE_POINTS.check(name, self.points.len())?;
         let mut before = None;
         for (index, [frequency_hz, gain_db, phase_deg]) in self.points.iter().copied().enumerate() {
-            let field = |column: usize| format!("{name}[{index}][{column}]");
-            limits::CURVE_FREQUENCY.check(&field(0), frequency_hz)?;
+            limits::CURVE_FREQUENCY.check(format_args!("{name}[{index}][0]"), frequency_hz)?;
             if let Some(before_hz) = before {
                 // A relative step of 1e-6 keeps the slope between two points finite.
                 let rising = Range { low: before_hz * (1.0 + 1e-6), ..limits::CURVE_FREQUENCY };
-                rising.check_from(Origin::Rising, &field(0), frequency_hz)?;
+                rising.check_from(Origin::Rising, format_args!("{name}[{index}][0]"), frequency_hz)?;
             }
             before = Some(frequency_hz);
-            gains.check(&field(1), gain_db)?;
-            limits::PHASE.check(&field(2), phase_deg)?;
+            gains.check(format_args!("{name}[{index}][1]"), gain_db)?;
+            limits::PHASE.check(format_args!("{name}[{index}][2]"), phase_deg)?;
         }
         Ok(())
     }

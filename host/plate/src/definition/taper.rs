@@ -5,7 +5,9 @@
 
 use crate::definition::clamped_strip::of_turning_edges;
 use crate::definition::error::{Origin, PlateError};
+use crate::definition::giving_taper::GivingTaper;
 use crate::definition::limits;
+use crate::definition::log_width::LogWidth;
 use crate::quantity::Range;
 
 /// The law of the half-width W(x); x = 0 is the driven, wide end.
@@ -87,8 +89,8 @@ impl Taper {
 fn validate_points(points: &[[f64; 2]], length_m: f64) -> Result<(), PlateError> {
     limits::TAPER_POINTS.check("taper.points", points.len())?;
     for (index, [position_m, half_width_m]) in points.iter().copied().enumerate() {
-        limits::TAPER_PLACE.check(&format!("taper.points[{index}][0]"), position_m)?;
-        limits::HALF_WIDTH.check(&format!("taper.points[{index}][1]"), half_width_m)?;
+        limits::TAPER_PLACE.check(format_args!("taper.points[{index}][0]"), position_m)?;
+        limits::HALF_WIDTH.check(format_args!("taper.points[{index}][1]"), half_width_m)?;
         if let Some([before_m, wider_m]) = index.checked_sub(1).map(|before| points[before])
             && (position_m - before_m < 1e-6 || half_width_m >= wider_m)
         {
@@ -104,29 +106,6 @@ fn validate_points(points: &[[f64; 2]], length_m: f64) -> Result<(), PlateError>
     Ok(())
 }
 
-/// ln W and its first two derivatives at one place.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct LogWidth {
-    /// ln W, W in metres.
-    pub(crate) value: f64,
-    /// W'/W, 1/m.
-    pub(crate) slope: f64,
-    /// (ln W)'', 1/m^2.
-    pub(crate) curvature: f64,
-}
-
-impl LogWidth {
-    /// W''/W, 1/m^2.
-    pub(crate) fn bend(self) -> f64 {
-        self.curvature + self.slope * self.slope
-    }
-
-    /// (sqrt W)''/sqrt W, 1/m^2. With g = sqrt(W) f the amplitude equation is g'' + (k^2 - this) g = 0.
-    pub(crate) fn root_curvature(self) -> f64 {
-        0.5 * self.curvature + 0.25 * self.slope * self.slope
-    }
-}
-
 /// Intervals over the plate of a curve that follows from a taper: its cubics are right to 1e-11 and better.
 const INTERVALS: usize = 512;
 /// How far the curve goes on before the driven end and beyond the plate's end, over the length.
@@ -139,6 +118,7 @@ const REACH: f64 = 0.99;
 pub(crate) enum WidthLaw {
     Exponential { log_width: f64, rate_per_m: f64 },
     Linear { half_width_m: f64, fall: f64 },
+    Giving(GivingTaper),
     Curve { position: Vec<f64>, value: Vec<f64>, slope: Vec<f64> },
 }
 
@@ -175,6 +155,7 @@ impl WidthLaw {
             Self::Linear { half_width_m, fall } => {
                 Self::Linear { half_width_m: half_width_m * factor, fall: fall * factor }
             }
+            Self::Giving(taper) => Self::Giving(taper.scaled(factor)),
             Self::Curve { position, mut value, slope } => {
                 value.iter_mut().for_each(|value| *value += factor.ln());
                 Self::Curve { position, value, slope }
@@ -199,6 +180,10 @@ impl WidthLaw {
             }
             law => {
                 let reach_m = if give_m < 0.0 { law.place_of((-give_m).ln()) } else { f64::INFINITY };
+                if let &Self::Exponential { log_width, rate_per_m } = law {
+                    let range_m = range_m(length_m, reach_m);
+                    return Self::Giving(GivingTaper { log_width, rate_per_m, give_m, range_m });
+                }
                 law.mapped(length_m, reach_m, |at| {
                     let cut_m = at.value.exp();
                     ((cut_m + give_m).ln(), at.slope * cut_m / (cut_m + give_m))
@@ -211,8 +196,8 @@ impl WidthLaw {
     /// `reach_m`, where the edges would meet.
     pub(crate) fn mapped(&self, length_m: f64, reach_m: f64, of: impl Fn(LogWidth) -> (f64, f64)) -> Self {
         let longest = length_m / INTERVALS as f64;
-        let end = (length_m * (1.0 + BEYOND.1)).min(REACH * reach_m).max(length_m);
-        let mut corners = vec![-BEYOND.0 * length_m, 0.0];
+        let [start, end] = range_m(length_m, reach_m);
+        let mut corners = vec![start, 0.0];
         if let Self::Curve { position, .. } = self {
             corners.extend(position.iter().filter(|place| **place > 0.0 && **place < end));
         }
@@ -257,6 +242,7 @@ impl WidthLaw {
                 let slope = -fall / width;
                 LogWidth { value: width.ln(), slope, curvature: -slope * slope }
             }
+            Self::Giving(taper) => taper.at(x),
             Self::Curve { position, value, slope } => curve_at(position, value, slope, x),
         }
     }
@@ -266,6 +252,7 @@ impl WidthLaw {
         match self {
             Self::Exponential { log_width, rate_per_m } => (log_width - target) / rate_per_m,
             Self::Linear { half_width_m, fall } => (half_width_m - target.exp()) / fall,
+            Self::Giving(taper) => taper.place_of(target),
             Self::Curve { position, value, slope } => {
                 let last = position.len() - 1;
                 if target >= value[0] {
@@ -283,6 +270,11 @@ impl WidthLaw {
             }
         }
     }
+}
+
+/// Start and end of a law that follows from a taper whose edges meet at `reach_m`, metres.
+fn range_m(length_m: f64, reach_m: f64) -> [f64; 2] {
+    [-BEYOND.0 * length_m, (length_m * (1.0 + BEYOND.1)).min(REACH * reach_m).max(length_m)]
 }
 
 /// Slopes of the monotone cubic through the points: the weighted harmonic mean of Fritsch and Butland (1984, SIAM J.

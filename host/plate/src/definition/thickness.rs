@@ -14,8 +14,9 @@ use crate::definition::air::Air;
 use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Consequence, PlateError};
 use crate::definition::limits;
+use crate::definition::log_width::LogWidth;
 use crate::definition::model::{Bending, Model};
-use crate::definition::taper::{LogWidth, WidthLaw};
+use crate::definition::taper::WidthLaw;
 use crate::quantity::Range;
 
 /// The law of the thickness h(x) of a plate in bending; the thickness of the model is h0 = h(0).
@@ -116,8 +117,8 @@ impl Thickness {
                 let mut before_m = f64::NEG_INFINITY;
                 for (index, [position_m, thickness_m]) in points.iter().copied().enumerate() {
                     let places = Range::new((before_m + 1e-6).max(0.0), limits::TAPER_PLACE.high, "m");
-                    places.check(&format!("thickness.points[{index}][0]"), position_m)?;
-                    limits::THICKNESS.check(&format!("thickness.points[{index}][1]"), thickness_m)?;
+                    places.check(format_args!("thickness.points[{index}][0]"), position_m)?;
+                    limits::THICKNESS.check(format_args!("thickness.points[{index}][1]"), thickness_m)?;
                     before_m = position_m;
                 }
                 let ([first_m, driven_m], last) = (points[0], points.len() - 1);

@@ -13,8 +13,10 @@
 //! the edge's curvature times the normal slope, not zero): near the turning point this subtracts (1 - nu) W''/W from
 //! k^2, and the sum is (2 nu - 1) W''/(2 W).
 
+use crate::definition::giving_taper::GivingTaper;
+use crate::definition::log_width::{LogTurningWidth, LogWidth, arc_to_width};
 use crate::definition::model::Model;
-use crate::definition::taper::{LogWidth, WidthLaw};
+use crate::definition::taper::WidthLaw;
 
 /// The half-width of the plate that determines the turning point.
 ///
@@ -75,13 +77,8 @@ pub(crate) enum TurningLaw {
     Width(WidthLaw),
     /// Along the arcs of an exponential taper: atan(d W)/d.
     ExponentialArc { log_width: f64, rate_per_m: f64 },
-}
-
-/// ln of the turning half-width (metres) and its derivative, 1/m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct LogTurningWidth {
-    pub(crate) value: f64,
-    pub(crate) slope: f64,
+    /// Along the arcs between the edges of an exponential taper that give.
+    GivingArc(GivingTaper),
 }
 
 /// Least number of intervals of the curve through the arcs of a sampled taper.
@@ -99,6 +96,11 @@ impl TurningLaw {
                 let shorter = arc_to_width(fall);
                 Self::Width(WidthLaw::Linear { half_width_m: half_width_m * shorter, fall: fall * shorter })
             }
+            (TurningWidth::Arc, WidthLaw::Giving(taper)) if taper.arcs_fall() => Self::GivingArc(*taper),
+            (TurningWidth::Arc, WidthLaw::Giving(_)) => {
+                let curve = width.mapped(length_m, f64::INFINITY, |at| (at.value, at.slope));
+                Self::new(&curve, length_m, turning_width)
+            }
             (TurningWidth::Arc, WidthLaw::Curve { position, value, slope }) => {
                 Self::Width(curve_of_arcs((position, value, slope), width, length_m))
             }
@@ -108,6 +110,7 @@ impl TurningLaw {
 
     pub(crate) fn at(&self, x: f64) -> LogTurningWidth {
         match self {
+            Self::GivingArc(taper) => taper.arc_at(x),
             Self::Width(law) => {
                 let LogWidth { value, slope, .. } = law.at(x);
                 LogTurningWidth { value, slope }
@@ -127,6 +130,7 @@ impl TurningLaw {
     pub(crate) fn reciprocal_at(&self, x: f64) -> f64 {
         match self {
             Self::Width(law) => (-law.at(x).value).exp(),
+            Self::GivingArc(taper) => taper.reciprocal_arc_at(x),
             Self::ExponentialArc { log_width, rate_per_m } => {
                 rate_per_m / (rate_per_m * (log_width - rate_per_m * x).exp()).atan()
             }
@@ -138,6 +142,7 @@ impl TurningLaw {
     pub(crate) fn place_of(&self, target: f64) -> f64 {
         match self {
             Self::Width(law) => law.place_of(target),
+            Self::GivingArc(taper) => taper.place_of_arc(target),
             Self::ExponentialArc { log_width, rate_per_m } => {
                 let angle = rate_per_m * target.exp();
                 if angle >= std::f64::consts::FRAC_PI_2 {
@@ -147,11 +152,6 @@ impl TurningLaw {
             }
         }
     }
-}
-
-/// atan(s)/s: half the arc over the half-width where the edges have the slope `s`.
-pub(crate) fn arc_to_width(s: f64) -> f64 {
-    if s.abs() < 1e-4 { 1.0 - s * s / 3.0 } else { s.atan() / s }
 }
 
 /// The arcs of a sampled taper or of a film as a monotone curve: at its points, and between points that are far apart.

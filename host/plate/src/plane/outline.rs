@@ -1,6 +1,7 @@
 //! The half-width of the whole sheet along x: the plate with a lead-in before it, or a uniform strip.
 
-use crate::definition::taper::{LogWidth, WidthLaw};
+use crate::definition::log_width::LogWidth;
+use crate::definition::taper::WidthLaw;
 
 /// Half of the length over which the corner between lead-in and taper is rounded, over the half-width there.
 ///

@@ -15,7 +15,7 @@
 //! (D/c) (dw/dn) (dv/dn) per length of each edge, with dw/dn = sqrt(1 + W'^2) w_z because w = 0 along the edge.
 
 use super::basis::{Edges, Jet, across};
-use crate::definition::taper::LogWidth;
+use crate::definition::log_width::LogWidth;
 use crate::special::gauss::gauss;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;

@@ -8,9 +8,9 @@
 
 use super::basis::Edges;
 use super::section::{Energy, Section};
+use crate::definition::log_width::LogWidth;
 use crate::definition::model::Model;
 use crate::definition::plate::Plate;
-use crate::definition::taper::LogWidth;
 use crate::order;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
