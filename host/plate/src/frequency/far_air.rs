@@ -149,16 +149,15 @@ impl FarAir {
         let OnGrid { g, q, width_square, scale } = wave;
         // The wave is 0 beyond.
         let count = q.len().min(scale.len()) - 1;
-        let omega = |i: usize| air.weight_from_end(width_square[i + 1], i as f64 * self.step_m);
-        let omegas: Vec<f64> = (0..count).map(omega).collect();
-        let places = Places { air: *air, frequency_hz, width_square: &width_square[1..], scale, omegas };
+        let places = self.places(air, frequency_hz, (&width_square[1..=count], &scale[..count]));
         let law = g[..=count].to_vec();
         let squares: f64 = law.iter().map(Complex64::norm_sqr).sum();
-        let h2 = self.step_m * self.step_m / 12.0;
+        let pushed = Pushed::new(&q[..=count], self.step_m);
+        let h2 = pushed.h2;
         let (mut of_order, mut slope) = (law.clone(), Complex64::ZERO);
         for _ in 0..ORDERS {
             let r = self.push(&places, &of_order);
-            of_order = particular(&q[..=count], &r, self.step_m);
+            of_order = pushed.by(&r);
             // It has no share of the wave itself, which would count against the rest.
             let products = law.iter().zip(&of_order).map(|(law, g)| law.conj() * g);
             let of_wave = products.sum::<Complex64>() / squares;
@@ -173,91 +172,126 @@ impl FarAir {
         slope
     }
 
-    /// r of the next order, from point -1 on, by g of this one.
-    fn push(&self, places: &Places<'_>, g: &[Complex64]) -> Vec<Complex64> {
-        let Places { air, frequency_hz, width_square, scale, omegas } = places;
+    /// What is the same for all orders at one frequency, at the points on the plate.
+    fn places(
+        &self,
+        air: &AirAlong,
+        frequency_hz: f64,
+        (width_square, scale): (&[f64], &[f64]),
+    ) -> (Vec<Place>, Complex64) {
         let omega_squared = (TAU * frequency_hz).powi(2);
-        // v = sqrt(W/W0) f.
-        let v: Vec<Complex64> = g[1..].iter().zip(omegas).map(|(g, omega)| g / omega.sqrt()).collect();
-        let at_places: Vec<Complex64> =
-            v.iter().zip(*scale).map(|(v, scale)| v * scale).step_by(self.stride).collect();
-        let pressure = |i: usize| -> Complex64 {
-            let row = &self.kernel[i * self.places..(i + 1) * self.places];
-            row.iter().zip(&at_places).map(|(k, f)| f * k).sum()
-        };
-        let pressures: Vec<Complex64> = (0..self.places).map(pressure).collect();
-        let last = v.len() - 1;
         let bent = |squared: f64| 1.0 + self.film_square * squared;
+        let loss = self.loss.at(frequency_hz);
+        let h = self.step_m;
+        let omega = |(i, square): (usize, &f64)| air.weight_from_end(*square, i as f64 * h);
+        let roots: Vec<f64> = width_square.iter().enumerate().map(|it| omega(it).sqrt()).collect();
+        let last = roots.len() - 1;
+        let place = |(i, (square, scale)): (usize, (&f64, &f64))| {
+            let here = air.at(*square);
+            let squared = here.wavenumber_squared;
+            // Omega is even about the driven end.
+            let [y_before, root, y_after] = [i.abs_diff(1).min(last), i, (i + 1).min(last)].map(|i| roots[i]);
+            Place {
+                scale: *scale,
+                root,
+                growth: if 0 < i && i < last { (y_after - y_before) / (root * h) } else { 0.0 },
+                bend: if i < last { (y_after - 2.0 * root + y_before) / (root * h * h) } else { 0.0 },
+                mass: squared * bent(squared) - omega_squared * self.slowness_squared,
+                // The integral itself contains the air's power and loss, which the law has, too.
+                lost: squared * loss * (air.stiffness - here.loss_share),
+                far: omega_squared * scale,
+            }
+        };
+        let places = width_square.iter().zip(scale).enumerate().map(place).collect();
         let stiffer = bent(air.turning) / air.stiffness;
-        let loss = self.loss.at(*frequency_hz);
-        let lossy = Complex64::new(1.0, loss * air.stiffness) / stiffer;
+        (places, Complex64::new(1.0, loss * air.stiffness) / stiffer)
+    }
+
+    /// r of the next order, from point -1 on, by g of this one.
+    fn push(&self, (places, lossy): &(Vec<Place>, Complex64), g: &[Complex64]) -> Vec<Complex64> {
+        // v = sqrt(W/W0) f.
+        let v: Vec<Complex64> = g[1..].iter().zip(places).map(|(g, place)| g / place.root).collect();
+        let at_places = v.iter().zip(places).map(|(v, place)| v * place.scale).step_by(self.stride);
+        // The kernel is symmetric: a place's row has its share of the pressure at all places, which are added side by side.
+        let mut pressures = vec![Complex64::ZERO; self.places];
+        for (f, row) in at_places.zip(self.kernel.chunks_exact(self.places)) {
+            pressures.iter_mut().zip(row).for_each(|(pressure, k)| *pressure += f * k);
+        }
+        let last = v.len() - 1;
         let push = |i: usize| {
             let (index, share) = (i / self.stride, (i % self.stride) as f64 / self.stride as f64);
             let next = pressures[(index + 1).min(self.places - 1)];
             let far = pressures[index] + (next - pressures[index]) * share;
-            let here = air.at(width_square[i]);
-            let squared = here.wavenumber_squared;
-            let mass = squared * bent(squared) - omega_squared * self.slowness_squared;
-            let of_air = (far * (omega_squared * scale[i]) - v[i] * mass) * lossy;
-            // The integral itself contains the air's power and loss, which the law has, too.
-            let lost = squared * loss * (air.stiffness - here.loss_share);
-            // Omega is even about the driven end.
+            let place = &places[i];
+            let of_air = (far * place.far - v[i] * place.mass) * lossy;
             let (before, after) = (i.abs_diff(1).min(last), (i + 1).min(last));
-            let [y_before, y, y_after] = [before, i, after].map(|i| omegas[i].sqrt());
-            let h = self.step_m;
-            let is_inside = i < last;
-            let growth = if is_inside && i > 0 { (y_after - y_before) / (y * h) } else { 0.0 };
-            let bend = if is_inside { (y_after - 2.0 * y + y_before) / (y * h * h) } else { 0.0 };
-            let rise = (v[after] - v[before]) / (2.0 * h);
-            let own = v[i] * Complex64::new(-bend, lost) - rise * growth;
-            (of_air + own) * (-self.share * y)
+            let rise = (v[after] - v[before]) / (2.0 * self.step_m);
+            let own = v[i] * Complex64::new(-place.bend, place.lost) - rise * place.growth;
+            (of_air + own) * (-self.share * place.root)
         };
         // At point -1 that of point 0.
         std::iter::once(0).chain(0..v.len()).map(push).collect()
     }
 }
 
-/// What is the same for all orders at one frequency, at the points on the plate.
-struct Places<'a> {
-    air: AirAlong,
-    frequency_hz: f64,
-    /// (q/s)^2.
-    width_square: &'a [f64],
-    /// 1/sqrt(W/W0), and Omega.
-    scale: &'a [f64],
-    omegas: Vec<f64>,
+/// What is the same for all orders at one frequency and point.
+struct Place {
+    /// 1/sqrt(W/W0), and that times omega^2.
+    scale: f64,
+    far: f64,
+    /// y = sqrt Omega, 2 y'/y in 1/m, and y''/y in 1/m^2.
+    root: f64,
+    growth: f64,
+    bend: f64,
+    /// What the law's air carries, and what it loses, 1/m^2.
+    mass: f64,
+    lost: f64,
 }
 
-/// A solution of g'' + Q g = r that leaves the driven end as a wave and follows r in the tail; by Numerov's method.
-fn particular(squared: &[Complex64], push: &[Complex64], step_m: f64) -> Vec<Complex64> {
-    let last = squared.len() - 1;
-    let h2 = step_m * step_m / 12.0;
-    let factor = |i: usize| 1.0 + h2 * squared[i];
-    let mut diagonal = vec![Complex64::ONE; last + 1];
-    let mut right = vec![Complex64::ZERO; last + 1];
-    let mut above = vec![Complex64::ZERO; last + 1];
-    let away = (squared[0].sqrt() * step_m * Complex64::new(0.0, -1.0)).exp();
-    (diagonal[0], above[0]) = (away, -Complex64::ONE);
-    for i in 1..=last {
-        let below = if i == last { Complex64::ZERO } else { factor(i - 1) };
-        if i == last {
-            right[i] = push[i] / squared[i];
-        } else {
+/// g'' + Q g = r for waves that leave the driven end and follow r in the tail, by Numerov's method: its equations are solved from the
+/// driven end to the tail once, for every r.
+struct Pushed<'a> {
+    /// Q, and h^2/12.
+    squared: &'a [Complex64],
+    h2: f64,
+    /// What is left on the diagonal, what stands after it, and the share of each equation that is taken from the next one.
+    diagonal: Vec<Complex64>,
+    above: Vec<Complex64>,
+    share: Vec<Complex64>,
+}
+
+impl<'a> Pushed<'a> {
+    fn new(squared: &'a [Complex64], step_m: f64) -> Self {
+        let last = squared.len() - 1;
+        let h2 = step_m * step_m / 12.0;
+        let factor = |i: usize| 1.0 + h2 * squared[i];
+        let [mut diagonal, mut above] = [Complex64::ONE, Complex64::ZERO].map(|it| vec![it; last + 1]);
+        let mut share = vec![Complex64::ZERO; last + 1];
+        let away = (squared[0].sqrt() * step_m * Complex64::new(0.0, -1.0)).exp();
+        (diagonal[0], above[0]) = (away, -Complex64::ONE);
+        for i in 1..last {
             diagonal[i] = 10.0 * factor(i) - 12.0;
             above[i] = factor(i + 1);
-            right[i] = h2 * (push[i - 1] + 10.0 * push[i] + push[i + 1]);
+            share[i] = factor(i - 1) / diagonal[i - 1];
+            diagonal[i] -= share[i] * above[i - 1];
         }
-        let share = below / diagonal[i - 1];
-        diagonal[i] -= share * above[i - 1];
-        let before = right[i - 1];
-        right[i] -= share * before;
+        Self { squared, h2, diagonal, above, share }
     }
-    let mut found = vec![Complex64::ZERO; last + 1];
-    for i in (0..=last).rev() {
-        let next = if i == last { Complex64::ZERO } else { found[i + 1] };
-        found[i] = (right[i] - above[i] * next) / diagonal[i];
+
+    /// The wave of this r.
+    fn by(&self, push: &[Complex64]) -> Vec<Complex64> {
+        let last = self.squared.len() - 1;
+        let mut found = vec![Complex64::ZERO; last + 1];
+        for i in 1..last {
+            let right = self.h2 * (push[i - 1] + 10.0 * push[i] + push[i + 1]);
+            found[i] = right - self.share[i] * found[i - 1];
+        }
+        found[last] = push[last] / self.squared[last];
+        for i in (0..last).rev() {
+            found[i] = (found[i] - self.above[i] * found[i + 1]) / self.diagonal[i];
+        }
+        found
     }
-    found
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ mod two_solutions;
 pub(crate) mod work;
 
 pub(crate) use grid::Grid;
-pub(crate) use together::{solve_each, solve_each_apart};
+pub(crate) use together::{solve_each, solve_each_apart, solve_each_in};
 pub(crate) use two_solutions::{TwoSolutions, solve_with_both};
 
 use crate::definition::plate::Plate;
@@ -127,7 +127,7 @@ impl Swept {
         let start = Start::of(end, grid.root_slope(at), self.g[1], self.slope);
         let on_plate = self.g[1..=grid.on_plate].iter().zip(&grid.scale);
         let mut field: Vec<Complex64> = on_plate.map(|(g, scale)| g * start.gain * *scale).collect();
-        at.weigh(grid, &mut field, 1);
+        at.weigh(grid, &mut field, 1, 0..grid.on_plate);
         end.near.add(&mut field, 1, &grid.scale, grid.step_m, start.value, start.slope);
         field
     }

@@ -4,6 +4,7 @@ use crate::definition::clamped_strip::CUT_OFF;
 use crate::definition::strip_table::StripTable;
 use crate::definition::width_mode::WidthMode;
 use num_complex::Complex64;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Inputs of the law at each point of a grid; point -1 has the index 0.
@@ -60,10 +61,17 @@ impl StripGrid {
         2.0 * self.narrowing * self.law.weight_rise(self.log_square[1] + log_wavenumber)
     }
 
-    /// Multiplies a field at every `every`-th point from 0 by (Omega at 0/Omega)^(1/2).
-    pub(crate) fn weigh(&self, log_wavenumber: f64, field: &mut [Complex64], every: usize) {
+    /// Multiplies a `part` of a field at every `every`-th point from 0 by (Omega at 0/Omega)^(1/2).
+    pub(crate) fn weigh(
+        &self,
+        log_wavenumber: f64,
+        field: &mut [Complex64],
+        every: usize,
+        part: Range<usize>,
+    ) {
         let at_drive = self.law.spread(self.log_square[1] + log_wavenumber).inv();
-        for (f, log) in field.iter_mut().zip(self.log_square[1..].iter().step_by(every)) {
+        let logs = self.log_square[1 + part.start * every..].iter().step_by(every);
+        for (f, log) in field[part].iter_mut().zip(logs) {
             *f *= self.law.spread(log + log_wavenumber) * at_drive;
         }
     }

@@ -2,6 +2,7 @@
 
 use super::breaks;
 use crate::definition::air_along::AirAlong;
+use crate::definition::log_width::LogWidth;
 use crate::definition::plate::Plate;
 use crate::definition::strip_table::StripTable;
 use crate::frequency::axial::lossy_axial_squared;
@@ -9,6 +10,7 @@ use crate::frequency::equation::Equation;
 use crate::frequency::far_air::FarAir;
 use crate::frequency::strip_grid::StripGrid;
 use num_complex::Complex64;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Exponents of decay over which the taper is continued beyond the plate's end, so that the condition at the end of the
@@ -79,18 +81,19 @@ impl Grid {
         let on_plate = (points - 1) * refinement + 1;
         let step_m = plate.length_m() / (on_plate - 1) as f64;
         let with_width = |has_width: bool| {
-            move |x: f64| match equation {
+            move |x: f64, weight: LogWidth| match equation {
                 Equation::Corrected => {
                     let across = if has_width { width_mode.width_term(x) } else { 0.0 };
-                    across + plate.weight_at(x).root_curvature() - plate.edge_bend(x)
+                    across + weight.root_curvature() - plate.edge_bend(x, weight)
                 }
                 Equation::Paper => width_mode.width_term(x),
             }
         };
         let barrier_at = with_width(law.is_none() && !is_in_air);
         let mut barrier: Vec<f64> = Vec::with_capacity(on_plate + 64);
-        barrier.push(barrier_at(-step_m));
-        barrier.extend((0..on_plate).map(|i| barrier_at(i as f64 * step_m)));
+        barrier.push(barrier_at(-step_m, plate.weight_at(-step_m)));
+        let weights: Vec<LogWidth> = (0..on_plate).map(|i| plate.weight_at(i as f64 * step_m)).collect();
+        barrier.extend(weights.iter().enumerate().map(|(i, weight)| barrier_at(i as f64 * step_m, *weight)));
         // The wave that turns at the plate's end decays slowest beyond it.
         let end_term = width_mode.width_term(plate.length_m());
         let end_hz = width_mode.cut_off_hz(plate.length_m());
@@ -106,21 +109,20 @@ impl Grid {
                 None => width_mode.width_term(x) - end_term,
             };
             exponents += decay.max(0.0).sqrt() * step_m;
-            barrier.push(barrier_at(x));
+            barrier.push(barrier_at(x, plate.weight_at(x)));
             i += 1;
         }
-        let log_width = plate.weight_at(0.0);
         let (scale, root_slope) = match equation {
-            Equation::Corrected => (
-                (0..on_plate)
-                    .map(|i| (0.5 * (log_width.value - plate.weight_at(i as f64 * step_m).value)).exp())
-                    .collect(),
-                0.5 * log_width.slope,
-            ),
+            Equation::Corrected => {
+                let start = weights[0];
+                let scale = |weight: &LogWidth| (0.5 * (start.value - weight.value)).exp();
+                (weights.iter().map(scale).collect(), 0.5 * start.slope)
+            }
             Equation::Paper => (vec![1.0; on_plate], 0.0),
         };
         let is_rising = barrier.is_sorted();
-        breaks::mend(&mut barrier, step_m, plate, with_width(law.is_none()));
+        let whole_at = with_width(law.is_none());
+        breaks::mend(&mut barrier, step_m, plate, |x| whole_at(x, plate.weight_at(x)));
         let local = if plate.is_graded() {
             (0..barrier.len()).map(|index| width_mode.local((index as f64 - 1.0) * step_m)).collect()
         } else {
@@ -185,17 +187,16 @@ impl Grid {
 }
 
 impl At<'_> {
-    /// Multiplies a field g/sqrt W at each `every`-th point on the plate by what the power weight of the strip's law adds,
+    /// Multiplies a `part` of a field g/sqrt W at each `every`-th point on the plate by what the power weight of the strip's law adds,
     /// 1 at 0.
-    pub(super) fn weigh(self, grid: &Grid, field: &mut [Complex64], every: usize) {
+    pub(super) fn weigh(self, grid: &Grid, field: &mut [Complex64], every: usize, part: Range<usize>) {
         match self {
             At::Separable(_) | At::Graded(..) => {}
-            At::Strip(strip, log_wavenumber) => strip.weigh(log_wavenumber, field, every),
+            At::Strip(strip, log_wavenumber) => strip.weigh(log_wavenumber, field, every, part),
             At::Air(width_square, air, _) => {
-                for (i, (f, square)) in
-                    field.iter_mut().zip(width_square[1..].iter().step_by(every)).enumerate()
-                {
-                    let x = (i * every) as f64 * grid.step_m;
+                let squares = width_square[1 + part.start * every..].iter().step_by(every);
+                let places = part.clone().map(|i| (i * every) as f64 * grid.step_m);
+                for ((f, square), x) in field[part].iter_mut().zip(squares).zip(places) {
                     *f /= air.weight_from_end(*square, x).sqrt();
                 }
             }

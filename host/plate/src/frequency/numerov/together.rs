@@ -10,6 +10,7 @@ use crate::frequency::strip_grid::{self, StripGrid};
 use crate::frequency::sweep::{Ends, Sweep};
 use num_complex::Complex64;
 use pulp::Arch;
+use std::ops::Range;
 
 /// Grid points whose eight values are copied to the eight fields together: 8 KiB, which fits in the first-level cache.
 const STRETCH: usize = 64;
@@ -24,6 +25,18 @@ pub(crate) fn solve_each(
     solve_each_apart(grid, plate, frequencies_hz, 1, visit);
 }
 
+/// As [`solve_each`], with the fields at the points of these parts of the plate alone: what lies between them is swept, but holds
+/// nothing of the field.
+pub(crate) fn solve_each_in(
+    grid: &Grid,
+    plate: &Plate,
+    frequencies_hz: &[f64],
+    parts: &[Range<usize>],
+    visit: impl FnMut(usize, &[Complex64]),
+) {
+    solve_parts(grid, plate, frequencies_hz, (1, parts), visit);
+}
+
 /// As [`solve_each`], with the fields at each `every`-th (1 and more) point of the grid alone: what lies between them is
 /// swept, but not scaled, and has no near field.
 pub(crate) fn solve_each_apart(
@@ -31,6 +44,18 @@ pub(crate) fn solve_each_apart(
     plate: &Plate,
     frequencies_hz: &[f64],
     every: usize,
+    visit: impl FnMut(usize, &[Complex64]),
+) {
+    let whole = 0..grid.on_plate.div_ceil(every);
+    solve_parts(grid, plate, frequencies_hz, (every, &[whole]), visit);
+}
+
+/// The fields at each `every`-th point of the grid, in `parts` of these points.
+fn solve_parts(
+    grid: &Grid,
+    plate: &Plate,
+    frequencies_hz: &[f64],
+    (every, parts): (usize, &[Range<usize>]),
     mut visit: impl FnMut(usize, &[Complex64]),
 ) {
     let arch = Arch::new();
@@ -74,8 +99,10 @@ pub(crate) fn solve_each_apart(
             }
         }
         // A stretch of points at a time, so that all lanes read the same cache lines.
-        for from in (0..scale.len()).step_by(STRETCH) {
-            let to = (from + STRETCH).min(scale.len());
+        let stretches =
+            parts.iter().flat_map(|part| part.clone().step_by(STRETCH).map(|from| (from, part.end)));
+        for (from, end) in stretches {
+            let to = (from + STRETCH).min(end);
             for ((lane, field), start) in fields.iter_mut().enumerate().zip(&starts) {
                 let rows = g_re[from + 1..=to].iter().zip(&g_im[from + 1..=to]).zip(&scale[from..to]);
                 for (f, ((re, im), scale)) in field[from..to].iter_mut().zip(rows) {
@@ -85,7 +112,7 @@ pub(crate) fn solve_each_apart(
         }
         for (lane, field) in fields.iter_mut().enumerate().take(frequencies.len()) {
             let start = &starts[lane];
-            at[lane].weigh(grid, field, every);
+            parts.iter().for_each(|part| at[lane].weigh(grid, field, every, part.clone()));
             driven[lane].near.add(field, every, &grid.scale, grid.step_m, start.value, start.slope);
             visit(group * LANES + lane, field);
         }

@@ -38,7 +38,7 @@ pub(crate) fn solve_with_both(
     let field = swept.clone().with_far_air(grid, at, frequency_hz).field(grid, at, &end);
 
     let mut weight: Vec<Complex64> = grid.scale.iter().map(|scale| Complex64::from(*scale)).collect();
-    at.weigh(grid, &mut weight, 1);
+    at.weigh(grid, &mut weight, 1, 0..grid.on_plate);
     let weighed = |g: &[Complex64]| g.iter().zip(&weight).map(|(g, weight)| g * weight).collect();
     let right: Vec<Complex64> = weighed(&swept.g[1..=grid.on_plate]);
 

@@ -13,6 +13,7 @@ use crate::frequency::{Equation, POINTS_MAX, respond_range};
 use crate::table::level;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// Radians of the shortest wave per grid step: during the search for the minimum, and for the final fit. Numerov's
 /// phase error is (k h)^4/480 per radian, so the wave speed has an error of 1e-5 and of 2e-7.
@@ -23,6 +24,7 @@ pub(crate) const FINE: f64 = 0.1;
 pub(crate) struct Wave {
     plate: Plate,
     grid: Grid,
+    points: usize,
     step_m: f64,
 }
 
@@ -36,7 +38,7 @@ impl Wave {
         let plate = Plate::new(PlateSpec { drive_end: DriveEnd::Displacement, ..spec })?;
         let grid = Grid::new(&plate, Equation::Corrected, points, 1);
         let step_m = plate.length_m() / (points - 1) as f64;
-        Ok(Self { plate, grid, step_m })
+        Ok(Self { plate, grid, points, step_m })
     }
 
     /// As [`Wave::new`], with a prescribed slope p'(0), see [`Wave::slope`], so that the field also gives p(0) over
@@ -58,13 +60,18 @@ impl Wave {
         with_peak: bool,
     ) -> Vec<Row> {
         let mut rows = Vec::with_capacity(frequencies_hz.len());
-        numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |number, field| {
+        let near = places_m.iter().map(|&place_m| Near::new(self.points, self.step_m, place_m, sensor));
+        let near: Vec<Near> = near.collect();
+        let mut parts: Vec<Range<usize>> = near.iter().map(|near| near.first..near.first + NEAR).collect();
+        parts.push(0..1);
+        let parts = if with_peak { vec![0..self.points] } else { joined(parts) };
+        numerov::solve_each_in(&self.grid, &self.plate, frequencies_hz, &parts, |number, field| {
             let peak = if with_peak {
                 level::peak_amplitude(&self.plate, field, self.step_m, frequencies_hz[number]).0
             } else {
                 f64::NAN
             };
-            let seen = places_m.iter().map(|&place_m| seen(field, self.step_m, place_m, sensor)).collect();
+            let seen = near.iter().map(|near| near.seen(field)).collect();
             rows.push(Row { seen, value: field[0], peak });
         });
         rows
@@ -152,15 +159,43 @@ const NEAR: usize = 6;
 
 /// The field or its second derivative at a place, from the polynomial through the six points around it.
 pub(crate) fn seen(field: &[Complex64], step_m: f64, place_m: f64, sensor: SensorKind) -> Complex64 {
-    let at = place_m / step_m;
-    let first = (at - 0.5 * (NEAR - 1) as f64).round().max(0.0) as usize;
-    let first = first.min(field.len() - NEAR);
-    let t = at - first as f64;
-    let weights: [f64; NEAR] = std::array::from_fn(|i| match sensor {
-        SensorKind::Strain => curvature_weight(i, t) / (step_m * step_m),
-        _ => weight(i, t),
-    });
-    field[first..first + NEAR].iter().zip(weights).map(|(f, weight)| f * weight).sum()
+    Near::new(field.len(), step_m, place_m, sensor).seen(field)
+}
+
+/// These parts without what two of them share.
+fn joined(mut parts: Vec<Range<usize>>) -> Vec<Range<usize>> {
+    parts.sort_by_key(|part| part.start);
+    let mut end = 0;
+    for part in &mut parts {
+        part.start = part.start.max(end).min(part.end);
+        end = end.max(part.end);
+    }
+    parts
+}
+
+/// The six points of a grid around a place, and their weights in the field or its second derivative there.
+struct Near {
+    first: usize,
+    weights: [f64; NEAR],
+}
+
+impl Near {
+    fn new(points: usize, step_m: f64, place_m: f64, sensor: SensorKind) -> Self {
+        let at = place_m / step_m;
+        let first = (at - 0.5 * (NEAR - 1) as f64).round().max(0.0) as usize;
+        let first = first.min(points - NEAR);
+        let t = at - first as f64;
+        let weights = std::array::from_fn(|i| match sensor {
+            SensorKind::Strain => curvature_weight(i, t) / (step_m * step_m),
+            _ => weight(i, t),
+        });
+        Self { first, weights }
+    }
+
+    fn seen(&self, field: &[Complex64]) -> Complex64 {
+        let points = &field[self.first..self.first + NEAR];
+        points.iter().zip(self.weights).map(|(f, weight)| f * weight).sum()
+    }
 }
 
 /// Lagrange polynomial of point `i` at `t`, in steps from the first point.

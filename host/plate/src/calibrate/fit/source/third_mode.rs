@@ -5,6 +5,7 @@
 //! the wave begins depends on how the end moves across the width.
 
 use super::data::Datum;
+use crate::calibrate::fit::pairs::means_beside;
 use crate::calibrate::fit::response::plate_response::PlateResponse;
 use crate::calibrate::measurement::sensor::SensorKind;
 use crate::definition::Plate;
@@ -20,8 +21,8 @@ pub(crate) const OF_A_BAR: f64 = 1.0 / 3.0;
 const LEFT: f64 = 0.1;
 /// Points of its wave.
 const POINTS: usize = 256;
-/// Share of the frequencies over which the signal's mean square is taken: a node is none of the third mode.
-const BESIDE: f64 = 0.06;
+/// Frequencies whose waves are computed side by side: each next point waits for a division by the one before.
+const LANES: usize = 4;
 
 /// How far the wave's front on the centre line is ahead of its mean over the width, which an end moves that is a bar, at the driven end,
 /// metres: the front is a circle of the radius W/|W'|, z^2 |W'|/(2 W) deep, and the mean of z^2/W^2 over cos(pi z/(2 W)) is
@@ -47,27 +48,46 @@ impl<'a> ThirdMode<'a> {
         Self { plate, step_m, points: ramp(0.0, plate.length_m(), POINTS).map(point).collect() }
     }
 
-    /// Its amplitude at places over that at the driven end.
-    fn shares(&self, frequency_hz: f64, places_m: &[f64]) -> Vec<Complex64> {
-        let axial = self.plate.width_mode(3).axial_squared(frequency_hz) * self.plate.lossy(frequency_hz);
-        // From the narrow end, beyond which it decays: f[i] = R[i] f[i - 1].
+    /// Its amplitude at places over that at the driven end, at each frequency.
+    fn shares(&self, frequencies_hz: &[f64], places_m: &[f64]) -> Vec<Vec<Complex64>> {
+        let mut shares = Vec::with_capacity(frequencies_hz.len());
+        for group in frequencies_hz.chunks(LANES) {
+            // A group that is not full repeats its last frequency.
+            let frequency_hz = |lane: usize| group[lane.min(group.len() - 1)];
+            let ratios = self.ratios(std::array::from_fn(frequency_hz));
+            shares.extend((0..group.len()).map(|lane| {
+                let ratio = |i: usize| ratios[i][lane];
+                places_m.iter().map(|place_m| self.share(ratio, *place_m)).collect()
+            }));
+        }
+        shares
+    }
+
+    /// R of f[i] = R[i] f[i - 1] from the narrow end, beyond which it decays.
+    fn ratios(&self, frequencies_hz: [f64; LANES]) -> Vec<[Complex64; LANES]> {
+        let axial =
+            frequencies_hz.map(|hz| self.plate.width_mode(3).axial_squared(hz) * self.plate.lossy(hz));
         let last = POINTS - 1;
-        let decay = (self.points[last].0 - axial).sqrt() * self.step_m;
-        let mut ratios = vec![Complex64::ONE; POINTS];
-        ratios[last] = (-decay).exp();
+        let mut ratios = vec![[Complex64::ONE; LANES]; POINTS];
+        ratios[last] = axial.map(|axial| (-(self.points[last].0 - axial).sqrt() * self.step_m).exp());
         for i in (1..last).rev() {
             let (across, sided) = self.points[i];
-            let middle = (axial - across) * (self.step_m * self.step_m) - 2.0;
-            ratios[i] = (sided - 1.0) / (middle + (1.0 + sided) * ratios[i + 1]);
+            let next = ratios[i + 1];
+            ratios[i] = std::array::from_fn(|lane| {
+                let middle = (axial[lane] - across) * (self.step_m * self.step_m) - 2.0;
+                (sided - 1.0) / (middle + (1.0 + sided) * next[lane])
+            });
         }
-        let at = |place_m: &f64| {
-            let place = (place_m / self.step_m).clamp(0.0, last as f64);
-            let whole = place.floor() as usize;
-            let here: Complex64 = ratios[1..=whole].iter().product();
-            let next = ratios.get(whole + 1).map_or(Complex64::ONE, |ratio| *ratio);
-            here * (1.0 + (next - 1.0) * (place - whole as f64))
-        };
-        places_m.iter().map(at).collect()
+        ratios
+    }
+
+    /// The amplitude at a place over that at the driven end.
+    fn share(&self, ratio: impl Fn(usize) -> Complex64, place_m: f64) -> Complex64 {
+        let place = (place_m / self.step_m).clamp(0.0, (POINTS - 1) as f64);
+        let whole = place.floor() as usize;
+        let here: Complex64 = (1..=whole).map(&ratio).product();
+        let next = if whole + 1 < POINTS { ratio(whole + 1) } else { Complex64::ONE };
+        here * (1.0 + (next - 1.0) * (place - whole as f64))
     }
 }
 
@@ -82,7 +102,8 @@ fn forced_m(plate: &Plate) -> f64 {
 /// as the taper sends it out there.
 pub(crate) fn add_third(answers: &mut [PlateResponse], plate: &Plate, kind: SensorKind, places_m: &[f64]) {
     let (mode, forced_m) = (ThirdMode::of(plate), forced_m(plate));
-    for answer in answers {
+    let frequencies_hz: Vec<f64> = answers.iter().map(|answer| answer.frequency_hz).collect();
+    for (answer, shares) in answers.iter_mut().zip(mode.shares(&frequencies_hz, places_m)) {
         let hz = answer.frequency_hz;
         let [value, slope] = answer.at_end;
         let seen = |(share, &place_m): (Complex64, &f64)| {
@@ -92,7 +113,7 @@ pub(crate) fn add_third(answers: &mut [PlateResponse], plate: &Plate, kind: Sens
             };
             [share * value, -share * slope * forced_m]
         };
-        answer.third = mode.shares(hz, places_m).into_iter().zip(places_m).map(seen).collect();
+        answer.third = shares.into_iter().zip(places_m).map(seen).collect();
     }
 }
 
@@ -100,11 +121,9 @@ pub(crate) fn add_third(answers: &mut [PlateResponse], plate: &Plate, kind: Sens
 pub(crate) fn widen(data: &mut [Datum], plate: &Plate, place_m: f64, frequencies_hz: &[f64]) {
     let mode = ThirdMode::of(plate);
     let squares: Vec<f64> = data.iter().map(|datum| datum.response.norm_sqr()).collect();
-    let beside = (BESIDE * data.len() as f64).ceil() as usize;
-    for (i, (datum, &hz)) in data.iter_mut().zip(frequencies_hz).enumerate() {
-        let near = &squares[i.saturating_sub(beside)..(i + beside + 1).min(squares.len())];
-        let square = near.iter().sum::<f64>() / near.len() as f64;
-        let share = mode.shares(hz, &[place_m])[0].norm().min(1.0);
+    let shares = mode.shares(frequencies_hz, &[place_m]);
+    for ((datum, share), square) in data.iter_mut().zip(shares).zip(means_beside(&squares)) {
+        let share = share[0].norm().min(1.0);
         datum.variance += (LEFT * share).powi(2) * square;
     }
 }
