@@ -233,7 +233,8 @@ mod night {
 /// The settled field at place `at` of 65 over the tone with the line's stated delay, per code, and that of `respond`.
 fn phasors(plate: &Plate, hz: f64, at: usize) -> [Complex64; 2] {
     const RATE_HZ: f64 = 400e3;
-    let found = settled_phasor(plate, hz, RATE_HZ, at);
+    let line = TimeDomainLine::new(plate, RATE_HZ, 65).expect("a line");
+    let found = settled_phasor(&line, hz, RATE_HZ, at);
     let exact = respond(plate, hz, 65, Equation::Corrected).expect("enters").amplitude[at];
     [found, exact * plate.spec().full_scale_m * hold(hz, RATE_HZ)]
 }

@@ -1,7 +1,7 @@
 //! The stiffness of a film against the exact strip, an independent equation and a plate in two dimensions, and the
 //! results that do not depend on it.
 
-use crate::time_line::assert_answers_a_tone;
+use crate::time_line::assert_answers_tones;
 use slipline_plate::check::{Checker, Colour, Conditions, Light};
 use slipline_plate::design::{DesignError, Material, Request, Wave, design};
 use slipline_plate::{
@@ -315,7 +315,7 @@ fn without_its_film_a_plate_is_the_ideal_membrane_to_the_last_bit() {
 #[test]
 fn the_line_in_time_answers_a_tone_as_the_frequency_domain_and_a_sheet_refuses_a_film() {
     let plate = plate();
-    assert_answers_a_tone(&plate, 20_000.0, 150.0, 4e-3);
+    assert_answers_tones(&plate, 20_000.0, &[150.0], 4e-3);
     let refused = Sheet::new(&plate, 400e3, SheetGrid::new(64, 8));
     assert!(matches!(refused, Err(SheetError::Film { .. })), "{:?}", refused.err());
 }

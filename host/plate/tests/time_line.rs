@@ -31,17 +31,25 @@ fn rate_for(plate: &Plate) -> f64 {
     (plate.band_hz().1 * 10.0).clamp(4e3, 400e3)
 }
 
-/// Asserts that the field of a settled tone on a line in time equals that of `respond`, up to `error` times the largest
+/// Asserts that the fields of settled tones on a line in time equal those of `respond`, up to `error` times the largest
 /// amplitude.
-pub(crate) fn assert_answers_a_tone(plate: &Plate, rate_hz: f64, frequency_hz: f64, error: f64) {
-    let points = 65;
-    let mut line = TimeDomainLine::new(plate, rate_hz, points).expect("a line");
+pub(crate) fn assert_answers_tones(plate: &Plate, rate_hz: f64, frequencies_hz: &[f64], error: f64) {
+    let line = TimeDomainLine::new(plate, rate_hz, 65).expect("a line");
+    frequencies_hz.iter().for_each(|hz| assert_answers_a_tone(plate, line.clone(), (rate_hz, *hz), error));
+}
+
+fn assert_answers_a_tone(
+    plate: &Plate,
+    mut line: TimeDomainLine,
+    (rate_hz, frequency_hz): (f64, f64),
+    error: f64,
+) {
     let settle = (rate_hz * line.settle_time_s()) as u32;
     let tone = |n: u32| (TAU * frequency_hz * f64::from(n) / rate_hz).cos() as f32;
     line.push(&(0..settle).map(tone).collect::<Vec<f32>>());
     line.reset_envelope();
     line.push(&(settle..settle + 2000).map(tone).collect::<Vec<f32>>());
-    let steady = respond(plate, frequency_hz, points, Equation::Corrected).expect("enters");
+    let steady = respond(plate, frequency_hz, 65, Equation::Corrected).expect("enters");
     let largest = steady.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
     for (found, wanted) in line.envelope().rms_m().iter().zip(&steady.amplitude) {
         let wanted = wanted.norm() / 2.0_f64.sqrt();
@@ -58,9 +66,7 @@ fn a_light_membrane_in_a_baffle_moves_in_time_as_at_each_frequency() {
     // 0.2 kg/m^2: above its span the field is no sum of decaying resonances.
     let model = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: Some(28.8), film: None };
     let plate = Plate::new(PlateSpec { air, model, ..still.spec().clone() }).expect("a plate");
-    for frequency_hz in [85.0, 120.0, 160.0, 200.0] {
-        assert_answers_a_tone(&plate, 4e3, frequency_hz, 3e-2);
-    }
+    assert_answers_tones(&plate, 4e3, &[85.0, 120.0, 160.0, 200.0], 3e-2);
 }
 
 #[test]
@@ -70,8 +76,9 @@ fn the_latency_is_the_time_by_which_the_field_lags_the_plate() {
         let plate = preset(name).expect("a preset");
         let (low_hz, high_hz) = plate.band_hz();
         // The remaining phase of the field: at every frequency the same, that of the carrier.
+        let line = TimeDomainLine::new(&plate, rate_hz, 65).expect("a line");
         let left = |hz: f64| {
-            let found = settled_phasor(&plate, hz, rate_hz, 20);
+            let found = settled_phasor(&line, hz, rate_hz, 20);
             let exact = respond(&plate, hz, 65, Equation::Corrected).expect("in band").amplitude[20];
             // A code is held from its time on, so the middle of its hold is half a sample later.
             found / (exact * plate.drive_response(hz) * Complex64::cis(std::f64::consts::PI * hz / rate_hz))

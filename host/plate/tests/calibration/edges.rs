@@ -281,21 +281,30 @@ fn apart_m(plate: &Plate, other: &Plate) -> f64 {
     (0..FEW).map(|i| off(0.1 + 0.11 * i as f64 / (FEW - 1) as f64)).fold(0.0, f64::max)
 }
 
+/// What the two files of a clamped plate whose edges give by its thickness show of this plate.
+fn fitted_unseen(plate: &Plate) -> Result<Calibrated, CalibrateError> {
+    let read = |text: &str| Measurement::from_csv(text).expect("a measurement");
+    let near = read(include_str!("../edges/clamp_gives_1h_a.csv"));
+    let far = read(include_str!("../edges/clamp_gives_1h_b.csv"));
+    from_ratio(plate, [&near, &far], &Priors::default())
+}
+
 /// A clamped plate of 0.8 mm with edges of c = 1, solved by other hands, at the two places that were planned before a plan
 /// counted edges that give: it was accepted with 0.59 mm stated, 4.7 mm off.
 #[test]
 fn a_clamped_plate_whose_two_places_do_not_see_its_edges_is_refused() {
-    let read = |text: &str| Measurement::from_csv(text).expect("a measurement");
-    let near = read(include_str!("../edges/clamp_gives_1h_a.csv"));
-    let far = read(include_str!("../edges/clamp_gives_1h_b.csv"));
-    let fitted = |plate: &Plate| from_ratio(plate, [&near, &far], &Priors::default());
-    let error = fitted(&clamped()).expect_err("open");
+    let error = fitted_unseen(&clamped()).expect_err("open");
     println!("{error}");
     let CalibrateError::EdgesUnseen { low_m, high_m, boundary_m } = error else { panic!("{error}") };
     assert!(low_m > 1e-4 && high_m < 8e-4 && boundary_m > 1e-3, "{error}");
-    // As every file was, and of one that knows its clamp.
-    let sure = fitted(&with_edges(&clamped(), None, Some(0.0))).expect("accepted");
-    let known = fitted(&with_edges(&clamped(), Some(8e-4), Some(4e-5))).expect("accepted");
+}
+
+/// The same, of a file that holds its edges for firm, as every file did, and of one that knows how far they give.
+#[test]
+#[ignore = "two more fits between clamped edges: .ci/run statistics"]
+fn the_same_plate_is_accepted_whether_its_file_knows_its_clamp_or_is_wrong_about_it() {
+    let sure = fitted_unseen(&with_edges(&clamped(), None, Some(0.0))).expect("accepted");
+    let known = fitted_unseen(&with_edges(&clamped(), Some(8e-4), Some(4e-5))).expect("accepted");
     let off_m = apart_m(&known.plate, &sure.plate);
     println!("{off_m}, {} and {} stated", sure.boundary_tolerance_m, known.boundary_tolerance_m);
     assert!((off_m - 4.7e-3).abs() < 7e-4 && sure.boundary_tolerance_m < 6.5e-4, "{off_m}");

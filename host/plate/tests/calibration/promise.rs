@@ -64,11 +64,19 @@ fn resonant() -> Vec<(String, Plate)> {
 /// and 3.5 times less well than behind the drive of the file.
 #[test]
 fn the_planned_level_is_that_behind_a_drive_that_resonates() {
-    for number in [1, 3] {
-        let (name, nominal) = &resonant()[number];
-        let [boundary, level] = stated_over_planned(name, nominal, 4003).expect("accepted");
-        assert!((0.8..1.5).contains(&boundary) && (0.4..1.7).contains(&level), "{name}: {boundary} {level}");
-    }
+    planned_level(1);
+}
+
+#[test]
+#[ignore = "a second pass, between clamped edges: .ci/run statistics"]
+fn the_planned_level_between_clamped_edges_is_that_behind_a_drive_that_resonates() {
+    planned_level(3);
+}
+
+fn planned_level(number: usize) {
+    let (name, nominal) = &resonant()[number];
+    let [boundary, level] = stated_over_planned(name, nominal, 4003).expect("accepted");
+    assert!((0.8..1.5).contains(&boundary) && (0.4..1.7).contains(&level), "{name}: {boundary} {level}");
 }
 
 /// A plate whose end is moved is refused at its planned places, with less noise, too: the plan says so, and what calibrates it.

@@ -209,17 +209,22 @@ impl Rig {
     pub(crate) fn errors(&self, plate: &Plate) -> (f64, Vec<f64>) {
         let (mut boundary_m, levels) = self.driven(plate);
         if self.solver == Solver::OneMode {
-            // Of the plate itself: a table of few knots moves them onto resonances.
-            let (start, end) = self.nominal.span_m();
-            let off = |i: usize| {
-                let place_m = start + (end - start) * i as f64 / (self.boundaries - 1) as f64;
-                let frequency_hz = plate.frequency_for_boundary_hz(place_m);
-                (self.truth.turning_point_m(frequency_hz).expect("enters") - place_m).abs()
-            };
-            boundary_m = (0..self.boundaries).map(off).fold(0.0, f64::max);
+            boundary_m = self.boundary_m(plate);
         }
         let mean = levels.iter().sum::<f64>() / levels.len() as f64;
         (boundary_m, levels.iter().map(|level| (level - mean).abs()).collect())
+    }
+
+    /// The largest error of the boundary by the equation of one mode, metres: of the plate itself, because a table of few knots moves
+    /// them onto resonances.
+    pub(crate) fn boundary_m(&self, plate: &Plate) -> f64 {
+        let (start, end) = self.nominal.span_m();
+        let off = |i: usize| {
+            let place_m = start + (end - start) * i as f64 / (self.boundaries - 1) as f64;
+            let frequency_hz = plate.frequency_for_boundary_hz(place_m);
+            (self.truth.turning_point_m(frequency_hz).expect("enters") - place_m).abs()
+        };
+        (0..self.boundaries).map(off).fold(0.0, f64::max)
     }
 
     /// The largest error of the boundary, metres, and the level at each place, dB.

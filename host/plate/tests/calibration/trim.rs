@@ -37,10 +37,6 @@ fn short(name: &str, measurement: Measurement) -> Measurement {
     Measurement { points, ..measurement }
 }
 
-fn boundary_m(rig: &Rig, plate: &Plate) -> f64 {
-    rig.judge(plate).boundary_m
-}
-
 #[test]
 fn the_speed_is_found_within_its_interval_at_first_and_later() {
     for name in ["membrane", "al-bending"] {
@@ -58,8 +54,8 @@ fn the_speed_is_found_within_its_interval_at_first_and_later() {
                 let widths =
                     |plate: &Plate| plate.spec().calibration.as_ref().expect("one").half_width_tolerance;
                 assert_eq!(widths(&it.plate), widths(&rig.nominal), "known as well as before");
-                let before_m = boundary_m(at, &rig.nominal);
-                let after_m = boundary_m(at, &it.plate);
+                let before_m = at.boundary_m(&rig.nominal);
+                let after_m = at.boundary_m(&it.plate);
                 println!(
                     "{name} {seed}: {wanted:.4} found {:.5} +-{half:.5}, chi2/n {:.2}, {:.2} -> {:.2} mm",
                     it.share,
@@ -101,7 +97,7 @@ fn unexplained(presets: &[&str]) {
                 ) => {}
                 Err(error) => panic!("{name} {off_m}: {error}"),
                 Ok(trim) => {
-                    let found_m = boundary_m(&rig, &trim.begin().plate);
+                    let found_m = rig.boundary_m(&trim.begin().plate);
                     let allowed_m = 0.6e-3 + 1.5 * trim.boundary_per_place() * off_m.abs();
                     println!("{name} {off_m}: {found_m} of {allowed_m} m, speed {}", trim.begin().share);
                     assert!(
