@@ -147,7 +147,7 @@ impl Draft {
         Count::new(1, VARIED_MAX, Counted::Fields).check("vary", parsed.vary.len())?;
         for (path, law) in &parsed.vary {
             let (width, range) = law.width();
-            range.check(&format!("vary.{path:?}.{}", law.name()), width)?;
+            range.check(format_args!("vary.{path:?}.{}", law.name()), width)?;
         }
         let plate = match parsed.plate {
             toml::Value::String(name) => PlateOf::Named(name),
@@ -195,7 +195,7 @@ impl Draft {
         let (start_m, end_m) = plate.span_m();
         for (number, &place_m) in turning_point_m.iter().enumerate() {
             let span = Range::new(start_m, end_m, "m");
-            span.check(&format!("turning_point_m[{number}]"), place_m).map_err(SpecError::OffSpan)?;
+            span.check(format_args!("turning_point_m[{number}]"), place_m).map_err(SpecError::OffSpan)?;
         }
         let mut spec = plate.spec().clone();
         if vary.contains_key("edge_give_m") {

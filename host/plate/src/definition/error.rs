@@ -211,7 +211,7 @@ impl Range {
     /// # Errors
     /// [`PlateError::OutOfRange`].
     pub fn check(self, field: impl Display, value: f64) -> Result<(), PlateError> {
-        if self.contains(value) { Ok(()) } else { Err(self.refuse(field, value, None)) }
+        if self.contains(value) { Ok(()) } else { Err(self.refuse(&field.to_string(), value, None)) }
     }
 
     /// As [`Range::check`]; the error also carries the reason for the range.
@@ -221,11 +221,11 @@ impl Range {
         field: impl Display,
         value: f64,
     ) -> Result<(), PlateError> {
-        if self.contains(value) { Ok(()) } else { Err(self.refuse(field, value, Some(origin))) }
+        if self.contains(value) { Ok(()) } else { Err(self.refuse(&field.to_string(), value, Some(origin))) }
     }
 
-    pub(crate) fn refuse(self, field: impl Display, value: f64, origin: Option<Origin>) -> PlateError {
-        PlateError::OutOfRange { field: field.to_string(), value, range: self, origin }
+    pub(crate) fn refuse(self, field: &str, value: f64, origin: Option<Origin>) -> PlateError {
+        PlateError::OutOfRange { field: field.to_owned(), value, range: self, origin }
     }
 }
 

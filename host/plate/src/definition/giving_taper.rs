@@ -107,9 +107,9 @@ fn place_between([start_m, end_m]: [f64; 2], target: f64, law: impl Fn(f64) -> L
     for _ in 0..80 {
         let LogTurningWidth { value, slope } = law(x);
         if value > target {
-            low = x
+            low = x;
         } else {
-            high = x
+            high = x;
         }
         let step = (target - value) / slope;
         // The next step would be shorter than rounding.

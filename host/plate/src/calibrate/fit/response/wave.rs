@@ -63,9 +63,8 @@ impl Wave {
         let near = places_m.iter().map(|&place_m| Near::new(self.points, self.step_m, place_m, sensor));
         let near: Vec<Near> = near.collect();
         let mut parts: Vec<Range<usize>> = near.iter().map(|near| near.first..near.first + NEAR).collect();
-        parts.push(0..1);
-        let parts = if with_peak { vec![0..self.points] } else { joined(parts) };
-        numerov::solve_each_in(&self.grid, &self.plate, frequencies_hz, &parts, |number, field| {
+        parts.push(0..if with_peak { self.points } else { 1 });
+        numerov::solve_each_in(&self.grid, &self.plate, frequencies_hz, &joined(parts), |number, field| {
             let peak = if with_peak {
                 level::peak_amplitude(&self.plate, field, self.step_m, frequencies_hz[number]).0
             } else {
