@@ -75,8 +75,8 @@ fn the_latency_is_the_time_by_which_the_field_lags_the_plate() {
     for (name, rate_hz) in [("al-bending", 400e3), ("al-sh", 400e3), ("membrane", 4e3), ("membrane", 20e3)] {
         let plate = preset(name).expect("a preset");
         let (low_hz, high_hz) = plate.band_hz();
-        // The remaining phase of the field: at every frequency the same, that of the carrier.
         let line = TimeDomainLine::new(&plate, rate_hz, 65).expect("a line");
+        // The remaining phase of the field: at every frequency the same, that of the carrier.
         let left = |hz: f64| {
             let found = settled_phasor(&line, hz, rate_hz, 20);
             let exact = respond(&plate, hz, 65, Equation::Corrected).expect("in band").amplitude[20];

@@ -209,31 +209,37 @@ impl Rig {
     pub(crate) fn errors(&self, plate: &Plate) -> (f64, Vec<f64>) {
         let (mut boundary_m, levels) = self.driven(plate);
         if self.solver == Solver::OneMode {
-            boundary_m = self.boundary_m(plate);
+            // Of the plate itself: a table of few knots moves them onto resonances.
+            boundary_m = self.boundary_m(|place_m| plate.frequency_for_boundary_hz(place_m));
         }
         let mean = levels.iter().sum::<f64>() / levels.len() as f64;
         (boundary_m, levels.iter().map(|level| (level - mean).abs()).collect())
     }
 
-    /// The largest error of the boundary by the equation of one mode, metres: of the plate itself, because a table of few knots moves
-    /// them onto resonances.
-    pub(crate) fn boundary_m(&self, plate: &Plate) -> f64 {
-        let (start, end) = self.nominal.span_m();
-        let off = |i: usize| {
-            let place_m = start + (end - start) * i as f64 / (self.boundaries - 1) as f64;
-            let frequency_hz = plate.frequency_for_boundary_hz(place_m);
-            (self.truth.turning_point_m(frequency_hz).expect("enters") - place_m).abs()
+    /// The largest error of the boundary by the equation of one mode, metres, where the tone of a boundary has this frequency, Hz.
+    fn boundary_m(&self, frequency_hz: impl Fn(f64) -> f64) -> f64 {
+        let off = |place_m: f64| {
+            (self.truth.turning_point_m(frequency_hz(place_m)).expect("enters") - place_m).abs()
         };
-        (0..self.boundaries).map(off).fold(0.0, f64::max)
+        self.places_m().map(off).fold(0.0, f64::max)
+    }
+
+    /// The same with a table made for `plate`.
+    pub(crate) fn boundary_by_table_m(&self, plate: &Plate) -> f64 {
+        let table = self.table(plate);
+        self.boundary_m(|place_m| table.frequency_hz(place_m))
+    }
+
+    /// The boundaries over the span at which a table is judged, metres.
+    fn places_m(&self) -> impl Iterator<Item = f64> + use<> {
+        let ((start, end), last) = (self.nominal.span_m(), self.boundaries - 1);
+        (0..=last).map(move |i| start + (end - start) * i as f64 / last as f64)
     }
 
     /// The largest error of the boundary, metres, and the level at each place, dB.
     fn driven(&self, plate: &Plate) -> (f64, Vec<f64>) {
         let table = self.table(plate);
-        let (start, end) = self.nominal.span_m();
-        let places: Vec<f64> = (0..self.boundaries)
-            .map(|i| start + (end - start) * i as f64 / (self.boundaries - 1) as f64)
-            .collect();
+        let places: Vec<f64> = self.places_m().collect();
         let frequencies: Vec<f64> = places.iter().map(|&x| table.frequency_hz(x)).collect();
         let mut levels = Vec::new();
         let mut boundary_m: f64 = 0.0;

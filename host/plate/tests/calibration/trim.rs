@@ -54,8 +54,8 @@ fn the_speed_is_found_within_its_interval_at_first_and_later() {
                 let widths =
                     |plate: &Plate| plate.spec().calibration.as_ref().expect("one").half_width_tolerance;
                 assert_eq!(widths(&it.plate), widths(&rig.nominal), "known as well as before");
-                let before_m = at.boundary_m(&rig.nominal);
-                let after_m = at.boundary_m(&it.plate);
+                let before_m = at.boundary_by_table_m(&rig.nominal);
+                let after_m = at.boundary_by_table_m(&it.plate);
                 println!(
                     "{name} {seed}: {wanted:.4} found {:.5} +-{half:.5}, chi2/n {:.2}, {:.2} -> {:.2} mm",
                     it.share,
@@ -97,7 +97,7 @@ fn unexplained(presets: &[&str]) {
                 ) => {}
                 Err(error) => panic!("{name} {off_m}: {error}"),
                 Ok(trim) => {
-                    let found_m = rig.boundary_m(&trim.begin().plate);
+                    let found_m = rig.boundary_by_table_m(&trim.begin().plate);
                     let allowed_m = 0.6e-3 + 1.5 * trim.boundary_per_place() * off_m.abs();
                     println!("{name} {off_m}: {found_m} of {allowed_m} m, speed {}", trim.begin().share);
                     assert!(
