@@ -202,10 +202,13 @@ fn other_air_is_refused(cases: &[OtherAir], count: usize) {
 /// Rubber 5 to 10 mm above a table, whose boundary that moves by 11 to 27 mm.
 #[test]
 fn a_membrane_above_a_table_is_calibrated_within_its_interval() {
-    above_a_table(
-        &[("latex-membrane", AirMounting::BareFrame, 0.01), ("latex-membrane", AirMounting::Unknown, 0.005)],
-        3400,
-    );
+    above_a_table(&[("latex-membrane", AirMounting::Unknown, 0.005)], 3401);
+}
+
+#[test]
+#[ignore = "a second pass, of a frame that is known: .ci/run statistics"]
+fn a_membrane_in_a_bare_frame_above_a_table_is_calibrated_within_its_interval() {
+    above_a_table(&[("latex-membrane", AirMounting::BareFrame, 0.01)], 3400);
 }
 
 fn above_a_table(cases: &[(&str, AirMounting, f64)], first: u64) {
