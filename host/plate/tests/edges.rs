@@ -3,7 +3,7 @@
 use super::calibration::film;
 use super::time_line::assert_answers_tones;
 use slipline_plate::{
-    Complex64, Equation, Model, Plate, PlateFileError, PlateSpec, Taper, plane, preset, presets, respond,
+    Complex64, Equation, Plate, PlateFileError, PlateSpec, Taper, plane, preset, presets, respond,
 };
 
 fn giving(plate: &Plate, give_m: f64) -> Plate {
@@ -26,7 +26,7 @@ fn of_turning_edges_m(cut_m: f64, give_m: f64) -> f64 {
 /// The plate whose cut is as wide as that of `plate` between its edges.
 fn cut_wider(plate: &Plate, give_m: f64) -> Plate {
     let length_m = plate.length_m();
-    let turns = matches!(plate.spec().model, Model::BendingClamped(_)) && give_m > 0.0;
+    let turns = plate.spec().model.is_clamped() && give_m > 0.0;
     let wider = |cut_m: f64| if turns { of_turning_edges_m(cut_m, give_m) } else { cut_m + give_m };
     let at = |i: u32| 2.0 * length_m * f64::from(i) / 2000.0;
     let cut = (0..=2000).map(|i| [at(i), plate.cut_half_width_m(at(i))]);

@@ -181,7 +181,8 @@ impl Warning {
                 )
             }
             Self::Weak { count, of } => format!(
-                "{count} of {of} answers are less than 20 dB above the noise: raise the level, or put the sensor where the plate moves."
+                "{count} of {of} answers are less than 20 dB above the noise: raise the level, or put the sensor where the plate moves. At a \
+                 plan's farther place a few are expected: those of tones that turn before it."
             ),
             Self::UnknownImages => "Images of the tones above half of the sample rate fold onto the measured current of a piezo and may \
                                     falsify it by its own size: state the bandwidth of the amplifier."

@@ -44,7 +44,7 @@ impl PlateSpec {
             ("loss_exponent_tolerance", self.loss_exponent_tolerance),
         ];
         for (field, value) in stated {
-            if value.is_some() && matches!(self.model, Model::BendingClamped(_)) {
+            if value.is_some() && self.model.is_clamped() {
                 let reason = "the law between clamped edges has one loss for all frequencies";
                 return Err(PlateError::unexpected(field, reason));
             }

@@ -138,6 +138,12 @@ impl Model {
         self.film().map_or(Ok(()), |_| self.surface_density("the film's stiffness").map(drop))
     }
 
+    /// Whether the edges neither move nor turn.
+    #[must_use]
+    pub fn is_clamped(&self) -> bool {
+        matches!(self, Self::BendingClamped(_))
+    }
+
     /// The material of a plate in bending; `None` for the other models.
     pub fn bending(&self) -> Option<&Bending> {
         match self {

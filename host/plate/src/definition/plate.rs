@@ -369,7 +369,7 @@ fn edges(outline: &WidthLaw, spec: &PlateSpec) -> Result<WidthLaw, PlateError> {
     if give_m < left.low {
         return Err(left.refuse("edge_give_m", give_m, Some(Origin::EndHalfWidth(end_m + give_m))));
     }
-    let clamped = matches!(spec.model, Model::BendingClamped(_));
+    let clamped = spec.model.is_clamped();
     Ok(scaled(outline.giving(spec.length_m, give_m, clamped)))
 }
 

@@ -4,7 +4,6 @@ use super::error::PlaneError;
 use crate::definition::drive::DriveEnd;
 use crate::definition::impedance::Impedance;
 use crate::definition::limits;
-use crate::definition::model::Model;
 use crate::definition::plate::Plate;
 use crate::definition::source::{EndSlope, LeadIn, Source};
 use crate::frequency::Finger;
@@ -155,7 +154,7 @@ impl Setup {
             }
             lead_in.validate()?;
         }
-        let is_clamped = matches!(plate.spec().model, Model::BendingClamped(_));
+        let is_clamped = plate.spec().model.is_clamped();
         let turning = Range::new(0.0, if is_clamped { 0.1 } else { 0.0 }, "m");
         OutOfRange::check("edge_compliance_m", self.edge_compliance_m, turning)?;
         if let Some(finger) = self.finger {

@@ -71,7 +71,7 @@ impl End {
 }
 
 pub(crate) fn is_clamped(plate: &Plate) -> bool {
-    matches!(plate.spec().model, Model::BendingClamped(_))
+    plate.spec().model.is_clamped()
 }
 
 /// Aluminium of 2 mm: each end with both kinds of edges, |W'| from 0.06 to 0.1 at the drive, loss factor 0.01.

@@ -8,7 +8,7 @@ use super::{calibrated, within};
 use slipline_plate::calibrate::{
     CalibrateError, Calibrated, Measurement, Placing, Priors, SensorPlaces, from_checked_ratio, from_ratio,
 };
-use slipline_plate::{Model, Plate, PlateSpec, preset};
+use slipline_plate::{Plate, PlateSpec, preset};
 
 /// Frequencies at which a plate is measured.
 const POINTS: usize = 100;
@@ -36,7 +36,7 @@ fn with_edges(plate: &Plate, give_m: Option<f64>, tolerance_m: Option<f64>) -> P
 /// A truth near the nominal plate whose edges give by `give_m`.
 fn rig(kind: &str, give_m: f64, random: &mut Random) -> Rig {
     let nominal = nominal(kind);
-    let is_clamped = matches!(nominal.spec().model, Model::BendingClamped(_));
+    let is_clamped = nominal.spec().model.is_clamped();
     let solver = if is_clamped { Solver::TwoDimensions } else { Solver::OneMode };
     let mut rig = Rig::of(nominal, solver, random);
     rig.boundaries = FEW;
@@ -321,7 +321,7 @@ mod night {
             let mut shares: Vec<f64> = (0..15).map(|number| lost_by_edges(kind, number)).collect();
             shares.sort_by(f64::total_cmp);
             println!("{kind}: {shares:.3?}");
-            assert!(shares[7] <= most && shares[14] <= most + 0.05, "{kind}: {shares:.3?}");
+            assert!(shares[14] <= most, "{kind}: {shares:.3?}");
         }
     }
 

@@ -4,7 +4,7 @@ use super::pairs::Pair;
 use super::unknowns::{AIR, EDGE_GIVE, HALF_WIDTH, INTERVAL, SPEED, TAPER};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
-use crate::definition::{Air, AirMounting, Model, Plate, PlateSpec};
+use crate::definition::{Air, AirMounting, Plate, PlateSpec};
 
 /// Fewest frequencies that both sensors measured: twice the number of what is fitted but for how far the edges give, which is known
 /// beforehand.
@@ -118,7 +118,7 @@ pub(crate) fn check_clamped_edges(
     (boundary_m, known_m): (f64, f64),
     (give_m, half_m): (f64, f64),
 ) -> Result<(), CalibrateError> {
-    let is_clamped = matches!(plate.spec().model, Model::BendingClamped(_));
+    let is_clamped = plate.spec().model.is_clamped();
     if !is_clamped || boundary_m <= CLAMPED_OPEN_MAX * known_m {
         return Ok(());
     }

@@ -13,7 +13,7 @@ use crate::calibrate::fit::unknowns::{DISTANT_AIR, Priors, has_distant_air};
 use crate::calibrate::measurement::band::band_hz;
 use crate::calibrate::measurement::sensor::{POINTS, SensorKind};
 use crate::calibrate::measurement::signal;
-use crate::definition::{Air, Model, Plate, PlateSpec, limits};
+use crate::definition::{Air, Plate, PlateSpec, limits};
 use crate::quantity::number_format::significant;
 use crate::quantity::{OutOfRange, Range, WrongCount, show_place};
 
@@ -42,6 +42,9 @@ const FIRST_MAX: f64 = 0.75;
 /// more the level is known less well (`tests/calibration`).
 const OF_NODES: f64 = 1.5;
 const OF_LEVEL: f64 = 1.5;
+/// The boundary's interval of a plate whose edges are not clamped, over the one that is left if how far they give is known, behind
+/// the worst of the actuators: behind the drive of its file it then loses less than a fifth. No plate is refused for more.
+const OPEN_MAX: f64 = 1.3;
 /// Places are proposed to a whole millimetre, of a small plate to a three-hundredth of its length.
 const STEP_M: f64 = 1e-3;
 const STEPS_OF_LENGTH: f64 = 300.0;
@@ -82,8 +85,10 @@ pub struct PairReach {
     pub node_tolerance_m: f64,
     /// The level's interval behind the drive of the plate file alone, dB: pairs are compared by it.
     stated_db: f64,
-    /// How much wider the boundary's interval is because nobody knows how far clamped edges give; 1 of other edges.
+    /// How much wider the boundary's interval is because nobody knows how far the edges give, behind the worst of the actuators.
     by_edges: f64,
+    /// The most of it of a pair that shows how far they give.
+    by_edges_max: f64,
 }
 
 /// Places of the two sensors of a calibration, proposed from the nominal plate.
@@ -116,7 +121,7 @@ pub struct SensorPlaces {
     /// What sets it.
     pub limit: NearLimit,
     /// The pair with the least product of the interval of places (the boundary's, or two thirds of the nodes' where that is larger)
-    /// and the level's to the power of 1.5; on a clamped plate one that shows how far its edges give, if there is any.
+    /// and the level's to the power of 1.5: of those that show how far the edges give, if there is any.
     pub best: PairReach,
     /// Pairs over the plate, with what each would reach: in rising places.
     pub pairs: Vec<PairReach>,
@@ -213,7 +218,7 @@ impl SensorPlaces {
     /// accepted with noise 40 dB below the signals.
     #[must_use]
     pub fn caution(&self) -> Option<String> {
-        if !self.best.sees_edges() {
+        if self.plate.spec().model.is_clamped() && !self.best.sees_edges() {
             return Some(format!(
                 "two places may be refused: no two show how far the clamped edges give, which widens the boundary's interval to {} times; state edge_give_m and edge_give_tolerance_m in the plate file",
                 significant(self.best.by_edges, 2)
@@ -293,20 +298,20 @@ impl SensorPlaces {
 impl PairReach {
     fn new(plate: &Plate, places_m: [f64; 2], reached: Reached) -> Self {
         let Reached { boundary_m, level_db, resonant_db, nodes_m, by_edges } = reached;
-        let is_clamped = matches!(plate.spec().model, Model::BendingClamped(_));
         Self {
             places_m,
             boundary_tolerance_m: boundary_m,
             level_tolerance_db: resonant_db,
             node_tolerance_m: nodes_m,
             stated_db: level_db,
-            by_edges: if is_clamped { by_edges } else { 1.0 },
+            by_edges,
+            by_edges_max: if plate.spec().model.is_clamped() { CLAMPED_OPEN_MAX } else { OPEN_MAX },
         }
     }
 
-    /// Whether the two places show how far clamped edges give.
+    /// Whether the two places show how far the edges give.
     fn sees_edges(&self) -> bool {
-        self.by_edges <= CLAMPED_OPEN_MAX
+        self.by_edges <= self.by_edges_max
     }
 
     /// Whether a calibration there is accepted behind an actuator that resonates, too.
@@ -316,7 +321,7 @@ impl PairReach {
 }
 
 /// The pair with the least product of the interval of places, that of the boundary or of the nodes, and of the level to the power
-/// of [`OF_LEVEL`]: of those that show how far clamped edges give, and of these of those that are accepted behind an actuator that
+/// of [`OF_LEVEL`]: of those that show how far the edges give, and of these of those that are accepted behind an actuator that
 /// resonates, or of all where there is none.
 fn best_of(pairs: &[PairReach]) -> Option<PairReach> {
     let product = |it: &PairReach| {

@@ -6,7 +6,6 @@ use crate::check::report::{Colour, Limit};
 use crate::check::thresholds::DRIVE_REFLECTION;
 use crate::definition::drive::DriveEnd;
 use crate::definition::impedance::Impedance;
-use crate::definition::model::Model;
 use crate::definition::plate::Plate;
 use crate::definition::source::Source;
 use crate::frequency::driven_end::{reflection, resistance_reflection};
@@ -108,7 +107,7 @@ fn known(site: &Site<'_>, interval: &Interval) -> String {
 /// The plate with the lowest and the highest loss of the interval. Between clamped edges a loss needs its own law,
 /// which takes long to compute, and the reflection hardly depends on it: there the plate is returned unchanged.
 fn with_losses(site: &Site<'_>, end: &End) -> Vec<Plate> {
-    let is_clamped = matches!(end.plate.spec().model, Model::BendingClamped(_));
+    let is_clamped = end.plate.spec().model.is_clamped();
     let factor = site.interval.as_ref().filter(|_| !is_clamped).map_or(1.0, |interval| interval.loss);
     let lossy = [factor.recip(), factor].into_iter().filter_map(|factor| end.plate.with_loss(factor).ok());
     if is_clamped { vec![end.plate.clone()] } else { lossy.collect() }

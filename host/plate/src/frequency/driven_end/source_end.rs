@@ -3,7 +3,6 @@
 use super::DrivenEnd;
 use super::clamped;
 use super::reflection::entering;
-use crate::definition::model::Model;
 use crate::definition::plate::Plate;
 use crate::definition::source::Source;
 use num_complex::Complex64;
@@ -34,8 +33,8 @@ impl<'a> SourceEnd<'a> {
     pub(crate) fn new(plate: &'a Plate, frequency_hz: f64, losses: &[f64]) -> Option<Self> {
         let wavenumber = entering(plate, frequency_hz)?;
         let impedance = plate.wave_impedance_n_s_per_m(frequency_hz)?;
-        let clamped = matches!(plate.spec().model, Model::BendingClamped(_))
-            .then(|| clamped::Sourced::new(plate, frequency_hz, 0.0, losses));
+        let clamped =
+            plate.spec().model.is_clamped().then(|| clamped::Sourced::new(plate, frequency_hz, 0.0, losses));
         Some(Self { plate, frequency_hz, wavenumber, impedance, clamped })
     }
 
