@@ -45,7 +45,7 @@ pub struct PlateSpec {
     pub air: Option<Air>,
     /// The frame that holds the plate; `None` if it is not stated.
     pub frame: Option<Frame>,
-    /// Loss factor of the material's modulus or of the tension (0 to 0.5); see [`Plate::wave_loss`].
+    /// Loss factor of the material's modulus or of the tension (0 to 0.5); see [`wave_loss`](crate::Plate::wave_loss).
     pub loss_factor: f64,
     /// Exponent p of its course over the frequency (-2 to 2): `loss_factor` is that of the geometric middle of the band, and at f it
     /// is (f over that)^p times as large, at most 0.5. `None` as 0. Not of a plate between clamped edges, whose law has one loss.
